@@ -30,14 +30,14 @@ def _in_notebook(result: object) -> str:
 
 
 def __getattr__(name: str) -> object:
-    """Import a public name when it is first asked for, and keep it in this module.
+    """Import a public name or module when it is first asked for, and keep it here.
 
-    A name that is not public raises AttributeError. From then on results show
-    themselves as pictures in notebooks.
+    A name that is not public raises AttributeError. With the first name that is no
+    module, results begin to show themselves as pictures in notebooks.
     """
     if name not in _HOME:
         raise _missing(name)
-    if _HOME[name] == ".":
+    if _HOME[name] == ".":  # a module: Python itself keeps it as an attribute
         return import_module(f".{name}", __name__)
     value = getattr(import_module(_HOME[name], __name__), name)
     from .results import notebook
@@ -50,7 +50,8 @@ def __getattr__(name: str) -> object:
 def _missing(name: str) -> AttributeError:
     """The error of a name that is not public; it names the one that may be meant.
 
-    There is no such hint for names with an underscore and for modules of the package.
+    There is no such hint for names that begin with an underscore and for modules of the
+    package.
     """
     from importlib.util import find_spec  # takes longer than all of this module
 

@@ -9,8 +9,9 @@ INTERRUPTED = 130  # exit status after Ctrl-C, as shells have it
 def main() -> int:
     """Run the command and return its exit status; after Ctrl-C, end the process here.
 
-    Threads that still run would keep the process alive: it ends with the status
-    `INTERRUPTED` without waiting for them, once its output is written.
+    Threads that still run would keep the process alive. So it ends with the status
+    `INTERRUPTED` without waiting for them, once its output is written; this call does
+    not return then.
     """
     try:
         from . import cli
@@ -18,8 +19,9 @@ def main() -> int:
         os._exit(INTERRUPTED)
     status = cli.main()
     if status == cli.INTERRUPTED:
-        for stream in filter(None, (sys.stdout, sys.stderr)):
-            stream.flush()
+        for stream in (sys.stdout, sys.stderr):
+            if stream is not None:  # without a console it is None
+                stream.flush()
         os._exit(status)
     return status
 

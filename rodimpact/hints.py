@@ -136,8 +136,9 @@ ELSEWHERE = {
 def nearest(word: Any, choices: Collection[str], head: str = "") -> str:
     """Hint at the choice that may be meant by a word, else at the choices there are.
 
-    `head` is put before the choices that are named. They are `MOST_CHOICES` at most,
-    those related to the word first.
+    It reads "perhaps ... is meant", or "use one of ..." if no choice is similar to the
+    word. Then `MOST_CHOICES` are named at most, those related to the word first. `head`
+    is put before each choice that is named.
     """
     meant = similar(word, choices)
     if meant is not None:
@@ -145,13 +146,14 @@ def nearest(word: Any, choices: Collection[str], head: str = "") -> str:
     all_names = []
     for choice in related_first(word, choices):
         all_names.append(one_line(head + choice))
-    return f"use one of {listed(all_names)}"
+    return f"use one of {listed(all_names)}"  # which cuts the list
 
 
 def similar(word: Any, choices: Collection[str]) -> str | None:
     """The choice that may be meant by a word: a synonym, or one that is spelt alike.
 
-    None if there is no such choice. Capitals do not matter.
+    None if there is no such choice. Capitals do not matter, nor does what follows after
+    `MOST_SHOWN` characters. A word that is no text is compared as messages show it.
     """
     text = word
     if not isinstance(word, str):
@@ -159,12 +161,12 @@ def similar(word: Any, choices: Collection[str]) -> str | None:
     for synonym in _synonyms(text):
         if synonym in choices:
             return synonym
-    names = {}  # without capitals, and cut
+    choice_of = {}  # choice by its name, which is cut and in small letters
     for choice in choices:
-        names[choice.casefold()[:MOST_SHOWN]] = choice
-    alike = difflib.get_close_matches(text[:MOST_SHOWN].casefold(), names, n=1)
+        choice_of[choice.casefold()[:MOST_SHOWN]] = choice
+    alike = difflib.get_close_matches(text[:MOST_SHOWN].casefold(), choice_of, n=1)
     if alike:
-        return names[alike[0]]
+        return choice_of[alike[0]]
     return None
 
 
@@ -183,8 +185,9 @@ def related_first(word: Any, choices: Collection[str]) -> list[str]:
 def _kinship(word: str, choice: str) -> int:
     """How close a choice is to a wrong word, from 3 down to 0 for strangers.
 
-    All words of the choice stand in the wrong one (3), one of them does (2), or one
-    begins alike (1).
+    The words of both names are compared, such as hertz and contact of HertzContact: all
+    words of the choice stand in the wrong name (3), one of them does (2), or one of
+    them begins like one there (1).
     """
     words = _words(word)
     words_of_choice = _words(choice)
@@ -216,7 +219,7 @@ def _synonyms(word: str) -> tuple[str, ...]:
 
 
 def listed(names: list[str]) -> str:
-    """Names with commas between them, the first `MOST_CHOICES` if there are more."""
+    """Names with commas between them; if they are many the first `MOST_CHOICES`, ..."""
     text = ", ".join(names[:MOST_CHOICES])
     if len(names) > MOST_CHOICES:
         text += ", ..."
@@ -229,8 +232,8 @@ def listed(names: list[str]) -> str:
 def explain_missing(*deeper: str) -> Callable[[C], C]:
     """Class decorator: a missing attribute is answered by the one that may be meant.
 
-    Public methods of the class answer wrong arguments in the same way. The class itself
-    is changed and returned.
+    The error is `MissingAttribute`. Public methods answer wrong arguments in the same
+    way, see `explain_methods`. The class itself is changed and returned.
 
     Parameters
     ----------
@@ -249,7 +252,7 @@ def explain_missing(*deeper: str) -> Callable[[C], C]:
         """The same class, which answers wrong attributes and arguments from now on."""
 
         def __getattr__(self: Any, name: str) -> Any:  # noqa: N807
-            # Python calls this for attributes alone that it does not find.
+            # Python calls this only for attributes that it does not find.
             if hasattr(type(self), name):  # a property failed: its own error is raised
                 return object.__getattribute__(self, name)
             raise MissingAttribute(self, name)
@@ -264,20 +267,21 @@ def explain_missing(*deeper: str) -> Callable[[C], C]:
 
 
 def explain_methods(kind: type) -> None:
-    """Let the public methods of a class answer wrong arguments, each once.
+    """Wrap the public methods of a class by `explain_arguments`, each once.
 
-    The class is changed. Class methods are among them, inherited methods are not.
+    The class is changed. Class methods are among them. Inherited methods, properties
+    and names that begin with an underscore are not.
     """
     for name, method in list(vars(kind).items()):
-        of_class = isinstance(method, classmethod)
+        is_class_method = isinstance(method, classmethod)
         function = method
-        if of_class:
+        if is_class_method:
             function = method.__func__
         is_explained = hasattr(function, EXPLAINED)
         if name[0] == "_" or is_explained or not inspect.isfunction(function):
             continue
         explained: Any = explain_arguments(function)
-        if of_class:
+        if is_class_method:
             explained = classmethod(explained)
         setattr(kind, name, explained)
 
@@ -295,7 +299,7 @@ class MissingAttribute(AttributeError):
     def __str__(self) -> str:
         """The message of Python, with the attribute that may be meant.
 
-        There is no such hint for names with an underscore.
+        There is no such hint for names that begin with an underscore.
         """
         owner, name = self.args
         message = f"{type(owner).__name__!r} object has no attribute {name!r}"
@@ -307,17 +311,17 @@ class MissingAttribute(AttributeError):
 def _attribute_hint(owner: Any, name: str) -> str:
     """Hint at the attribute of an object, or of one of its parts, that is meant.
 
-    A sentence of `ELSEWHERE` comes first, then the name itself in a part, then
-    synonyms, then names that are spelt alike: those of the object before those of its
-    parts. If there are none, attributes of the object are listed.
+    The first of these is taken: the sentence of `ELSEWHERE` on this name, the name
+    itself in a part, a synonym, a name that is spelt alike. Synonyms and such names are
+    sought in the object before its parts. Else attributes of the object are listed.
     """
+    if name in ELSEWHERE:
+        return ELSEWHERE[name]
     own_names = _public_names(owner)
     paths: dict[str, str] = {}  # of attributes of the parts, the uppermost first
     for path, part in _parts(owner):
         for attribute in _public_names(part):
             paths.setdefault(attribute, f"{path}.{attribute}")
-    if name in ELSEWHERE:
-        return ELSEWHERE[name]
     if name in paths:
         return f"perhaps {paths[name]!r} is meant"
     for synonym in _synonyms(name):
@@ -325,7 +329,7 @@ def _attribute_hint(owner: Any, name: str) -> str:
             return f"perhaps {synonym!r} is meant"
         if synonym in paths:
             return f"perhaps {paths[synonym]!r} is meant"
-    if similar(name, own_names) is None:
+    if similar(name, own_names) is None:  # else `nearest` below names it
         meant = similar(name, paths)
         if meant is not None:
             return f"perhaps {paths[meant]!r} is meant"
@@ -342,11 +346,12 @@ def _public_names(owner: Any) -> list[str]:
 
 
 def _parts(owner: Any, level: int = 1) -> Iterator[tuple[str, Any]]:
-    """Parts of an object with their paths: first its own ones, then theirs.
+    """Yield path and part for the parts of an object: first its own ones, then theirs.
 
     They are the attributes that `explain_missing` was given for its class; of a tuple
-    of parts the first one. Attributes that fail and empty tuples are left out. Parts go
-    down to `MOST_LEVELS`.
+    of parts the first one, with the path "name[0]". Attributes that fail and empty
+    tuples are left out. Parts go down to `MOST_LEVELS`; `level` is that of the parts of
+    `owner`.
     """
     parts = []
     for attribute in getattr(owner, "_deeper", ()):
@@ -415,9 +420,10 @@ def missing_name(
 ) -> AttributeError:
     """The error of a name that a module does not have, to be raised by the caller.
 
-    It hints at a synonym, at a sentence of `ELSEWHERE`, at a name of the modules below,
-    at one that is spelt alike, or at related names. There is no such hint for names
-    with an underscore.
+    It gives the first of these hints: a synonym in the module, the sentence of
+    `ELSEWHERE` on this name, the name or a synonym in a module below, a name that is
+    spelt alike, all names if they are few, related names here and below, or else how to
+    list the names. There is no hint for names that begin with an underscore.
 
     Parameters
     ----------
@@ -492,10 +498,11 @@ def _refusal(
 ) -> str:
     """What is wrong with the arguments of a call; `otherwise` if nothing is found.
 
-    The first of these is told: a keyword that is unknown, too many arguments by
-    position, or missing ones. `self` and `cls` are not counted.
+    The first of these is told: a keyword that is unknown, with the one that may be
+    meant, too many arguments by position, or missing ones. `self` and `cls` are not
+    counted.
     """
-    called, instead = _called(function, args)
+    called, instead = _called(function, args)  # the name, and other constructors
     parameters = dict(signature.parameters)
     for owner in ("self", "cls"):
         if owner in parameters:
@@ -523,7 +530,10 @@ def _refusal(
 
 
 def _excess(parameters: dict[str, inspect.Parameter], n_given: int) -> str:
-    """Text on what is taken by position, if that is less than is given; else ""."""
+    """Text on the arguments that may be given by position, if more than these are.
+
+    "" if `n_given` are not too many. Parameters that must be named are listed, too.
+    """
     by_position = []  # names of parameters that may be given so
     by_name = []  # those that must be named
     for name, parameter in parameters.items():
@@ -553,12 +563,13 @@ def _called(function: Callable[..., Any], args: tuple[Any, ...]) -> _Called:
     """What the call of a function with these arguments is called.
 
     A method is named with the class of its object, a constructor by its class alone,
-    any other function by its own name.
+    any other function by its own name. With a constructor comes the text on other
+    constructors of the class, else "".
     """
     qualified = function.__qualname__
     if not args or "." not in qualified or "<locals>" in qualified:
         return _Called(qualified, "")
-    owner = args[0]
+    owner = args[0]  # `self`, or the class of a class method
     if not isinstance(owner, type):
         owner = type(owner)
     if function.__name__ == "__init__":
@@ -569,11 +580,12 @@ def _called(function: Callable[..., Any], args: tuple[Any, ...]) -> _Called:
 def _other_constructors(kind: type) -> str:
     """Text on the class methods that make an object from something else; "" if none.
 
-    Their names begin with ``from_``.
+    Their names begin with ``from_``. The text goes on with a sentence: ", or
+    Hertz.from_radii(left_radius, ...)". Inherited methods are left out.
     """
     text = ""
     for name, method in vars(kind).items():
         if name.startswith("from_") and isinstance(method, classmethod):
-            _, *parameters = inspect.signature(method.__func__).parameters
+            _, *parameters = inspect.signature(method.__func__).parameters  # no `cls`
             text += f", or {kind.__name__}.{name}({listed(parameters)})"
     return text

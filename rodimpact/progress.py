@@ -80,14 +80,17 @@ class Progress:
         self._bar: Any = None
         self._showwarning: Any = None  # `warnings.showwarning` without the bar
         self._began = math.inf  # s, time.time(); inf: no bar will appear
-        # The work done at the first report is taken over from a checkpoint.
+        # Work done at the first report, taken over from a checkpoint. It is left out of
+        # the rate.
         self._done_before: int | None = None
 
     def __enter__(self) -> ProgressReport:
         """Begin the call; return the function to which it reports how far it is.
 
-        That is the user's function, the bar of the outermost call, or one that does
-        nothing. In a worker thread there is no bar.
+        A call inside the outermost one, of the same name, goes on with its function or
+        bar. Any other call reports to the user's function if there is one, the
+        outermost call else to its bar, and all others to a function that does nothing.
+        In a worker thread there is no bar.
         """
         global _outermost
         self._is_outermost = False
@@ -96,7 +99,6 @@ class Progress:
                 _outermost = self
                 self._is_outermost = True
             elif _outermost._name == self._name:
-                # A call inside another of the same name goes on with its bar.
                 return _outermost._report
         if callable(self._progress):
             return self._report
@@ -113,7 +115,7 @@ class Progress:
     ) -> None:
         """End the call; the outermost one erases its bar.
 
-        The bar is full unless an error ends the call.
+        The bar is full unless an error ends the call. The error goes on.
         """
         global _outermost
         if not self._is_outermost:
@@ -125,11 +127,11 @@ class Progress:
             self._close()
 
     def _report(self, done: int, total: int | None) -> None:
-        """Call the user's function, or show the bar.
+        """Call the user's function, or else show the bar.
 
-        Both tell the work that is done, and all of it, which is never below what is
-        done. The bar appears at the first report after `APPEARS_AFTER`, if somebody can
-        see it.
+        Both tell the work that is done and all of it, None if that is unknown. All is
+        never below what is done. The bar appears at the first report after
+        `APPEARS_AFTER`, if somebody can see it.
         """
         if total is not None:
             total = max(done, total)
@@ -166,9 +168,10 @@ class Progress:
         warnings.showwarning = self._show_warning
 
     def _update(self, done: int, total: int | None) -> None:
-        """Set the bar to the work that is done and to all.
+        """Set the bar to the work that is done and to all, None if that is unknown.
 
-        Less work done than before begins a new stage: the bar starts again.
+        Less work done than before begins a new stage: the bar starts again. Numbers
+        from `ABBREVIATED_FROM` on are abbreviated.
         """
         bar = self._bar
         if done < bar.n:  # a new stage, such as a finer mesh
@@ -228,7 +231,7 @@ def in_main_thread() -> bool:
 def is_watched() -> bool:
     """Whether somebody can see a bar: on a terminal or in a notebook.
 
-    Nobody can in a worker process.
+    Nobody can in a worker process, or where standard error is a file or missing.
     """
     import multiprocessing.process
 
@@ -247,7 +250,7 @@ def in_notebook() -> bool:
 
 
 def bar_class() -> Any:
-    """The class of bars for a terminal or for a notebook, whichever this is."""
+    """The class of bars of tqdm for a terminal or for a notebook, whichever this is."""
     with warnings.catch_warnings():
         # Without ipywidgets a notebook has the bar of a terminal, and tqdm warns.
         warnings.simplefilter("ignore")

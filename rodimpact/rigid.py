@@ -282,7 +282,8 @@ def restitution_from_velocities(
     Raises
     ------
     ValueError
-        If a velocity is not finite or the bodies do not approach.
+        If a velocity is not finite or the bodies do not approach, or if they approach
+        so slowly that e might overflow.
 
     Examples
     --------
@@ -297,7 +298,7 @@ def restitution_from_velocities(
     )
     demand(V1 > V2, "v1_before", _NOT_APPROACHING, V1, V2)
     closing = V1 - V2
-    demand(closing >= SMALLEST, "v1_before", _TOO_SLOW, closing)
+    demand(closing >= SMALLEST, "v1_before", _TOO_SLOW, closing)  # e stays finite
     parting = W2 - W1
     return float_or_array(parting / closing)
 
@@ -337,7 +338,7 @@ def restitution_from_heights(drop: ArrayLike, rebound: ArrayLike) -> Number:
     message = (
         "must be at most the drop, {1!r}, got {0!r}: a ball from rest rises no higher"
     )
-    demand(rise <= fall, "rebound", message, rise, fall)
+    demand(rise <= fall, "rebound", message, rise, fall)  # {0} and {1}
     e = np.sqrt(rise / fall)
     return float_or_array(e)
 
@@ -371,7 +372,9 @@ def stack_drop(
     Returns
     -------
     StackDrop
-        Velocities after all collisions, and the height that the top ball reaches.
+        Velocities of shape (..., balls) after all collisions, positive upwards, and the
+        height of shape (...) that the top ball reaches above its collision, 0 if it
+        does not rise.
 
     Raises
     ------

@@ -360,7 +360,7 @@ def mass_on_rod(
     round_trip = 2 * T
     # The fraction of its momentum that the mass hands over: 1 - exp(-Z t/M) at t = 2 T
     momentum_fraction = -np.expm1(-2 * mu)
-    e = momentum_fraction / mu - 1 + momentum_fraction
+    e = momentum_fraction / mu - 1 + momentum_fraction  # - exp(-2 mu) is the latter - 1
     m = reduced_mass(M, rod_mass)
     return _collision(
         restitution=e,
@@ -563,21 +563,24 @@ class PairNumbers(NamedTuple):
 def pair_numbers(Z1: Array, T1: Array, Z2: Array, T2: Array) -> PairNumbers:
     """Numbers of `saint_venant` from impedances, kg/s, and transit times, s.
 
-    Impedances that are equal but for round-off give q = 0 and p = 1. The page of the
-    explorer has this function and `pair_restitution` as JavaScript.
+    They are q, p = 1 - abs(q), log(q) where q > 0, else 0, and the two transit times in
+    order. Impedances that are equal but for round-off give q = 0 and p = 1. Equal
+    transit times give q <= 0. The page of the explorer has this function and
+    `pair_restitution` as JavaScript.
     """
     low = np.minimum(Z1, Z2)
     high = np.maximum(Z1, Z2)
     difference = high - low
     total = high + low
     is_equal = difference <= EQUAL_IMPEDANCES_RTOL * high
-    # Where transit times are equal, no rod is the short one, and q is not positive.
+    # Where transit times are equal, this is False: no rod is the short one.
     short_has_higher_impedance = np.where(Z1 > Z2, T1 < T2, T2 < T1)
     short_has_higher_impedance = np.where(is_equal, False, short_has_higher_impedance)
     abs_q = np.where(is_equal, 0.0, difference / total)
     q = np.where(short_has_higher_impedance, abs_q, -abs_q)
     p = np.where(is_equal, 1.0, 2 * low / total)  # 1 - difference/total
-    # With r = low/high, q = (1 - r)/(1 + r), and log(q) = -2 artanh(r).
+    # With r = low/high, q = (1 - r)/(1 + r), and log(q) = -2 artanh(r). The 0.0 makes
+    # log_q 0 where q is not positive.
     low_over_high = np.where(short_has_higher_impedance, low / high, 0.0)
     log_q = -2 * np.arctanh(low_over_high)
     return PairNumbers(np.minimum(T1, T2), np.maximum(T1, T2), q, p, log_q)
@@ -587,7 +590,7 @@ def pair_restitution(numbers: PairNumbers) -> Array:
     """Coefficient of restitution e, by the formulae and letters of `saint_venant`.
 
     With p = 1 - abs(q), e = abs(q) + p x for Z_long >= Z_short, else
-    e = (1 + q) x g - q^K (1 - p f), with g = (1 - q^K)/p + q^K f.
+    e = (1 + q) x g - q^K (1 - p f), with g = (1 - q^K)/p + q^K f. It is 1 at most.
     """
     q = numbers.q
     p = numbers.p
@@ -607,9 +610,9 @@ def pair_restitution(numbers: PairNumbers) -> Array:
 
 
 def _collision(**entries: Any) -> PairCollision:
-    """PairCollision of these arrays, by name.
+    """PairCollision of these entries, arrays or numbers by name.
 
-    An array of shape () becomes a float.
+    An entry of shape () becomes a float.
     """
     values = {}
     for name, entry in entries.items():
@@ -620,8 +623,9 @@ def _collision(**entries: Any) -> PairCollision:
 def _checked(**arguments: ArrayLike) -> tuple[Array, ...]:
     """Arguments as arrays of one shape, in the order given.
 
-    Each is checked by its `RULES`: ValueError for one that is not finite, or of the
-    wrong sign.
+    Each is checked by the unit and sign that `RULES` has for its name, without the
+    number of a rod at its end. ValueError for one that is not finite, or of the wrong
+    sign.
     """
     with_rules = {}
     for name, value in arguments.items():

@@ -245,8 +245,8 @@ def parse(text: str | float | int, dimension: str) -> float:
     Raises
     ------
     ValueError
-        If `text` is not a finite number, or its unit is unknown or of another
-        dimension; also if `dimension` is not a key of `UNITS`.
+        If `text` is no finite number or too small for a float, or its unit is unknown
+        or of another dimension; also if `dimension` is not as said.
 
     Examples
     --------
@@ -284,7 +284,10 @@ class Amount(NamedTuple):
 
 
 def read_amount(text: str) -> Amount:
-    """Read a number with any unit of `UNITS`, or a bare number in SI units.
+    """Read a number with any unit of `UNITS`, or a bare number.
+
+    The value is that in the SI unit of the dimension, which is returned with it; "" for
+    a bare number.
 
     Raises
     ------
@@ -296,7 +299,7 @@ def read_amount(text: str) -> Amount:
     >>> read_amount("2.5 mm"), read_amount("0.5")
     (Amount(value=0.0025, unit='m'), Amount(value=0.5, unit=''))
     """
-    quantity = _QUANTITY.fullmatch(text.strip())
+    quantity = _QUANTITY.fullmatch(text.strip())  # None is refused by `parse` below
     dimension = "dimensionless"
     if quantity is not None and quantity["unit"] is not None:
         unit = _spelt(quantity["unit"])
@@ -310,7 +313,8 @@ def read_amount(text: str) -> Amount:
 def _exact_value(given: Any, units: UnitFactors) -> float:
     """Value in the SI of a number, or of a text of a number and one of these units.
 
-    ValueError says why there is none: also for numbers that no float can hold.
+    A bare number is in the SI unit already. ValueError says why there is none: also for
+    a number that is infinite or nan, or that no float can hold.
     """
     exact: Any = given
     if isinstance(given, str):
@@ -346,14 +350,14 @@ def _fraction(text: str, units: UnitFactors) -> Fraction:
         dimension = DIMENSION_OF_UNIT.get(unit)
         if dimension is not None:
             reason = f"{unit!r} is a unit of {dimension}"
-            if unit == "g" and "m/s^2" in units:
+            if unit == "g" and "m/s^2" in units:  # grams for an acceleration
                 reason += ", and 1 g of standard gravity is '9.80665 m/s^2'"
             raise ValueError(reason)
         raise ValueError(f"unknown unit {shown(unit)}{_hint(unit, units)}")
     power = 0
     if quantity["power"] is not None:
         power = int(quantity["power"])
-    if abs(power) > 2 * MOST_CHARACTERS:
+    if abs(power) > 2 * MOST_CHARACTERS:  # the fraction would have as many digits
         raise ValueError("its power of ten is out of range")
     factor = Fraction(1)
     if unit:
@@ -403,7 +407,7 @@ def conversion(unit: str) -> Conversion | None:
 
 
 def in_si(values: Any, unit: Any) -> tuple[Any, str]:
-    """Numbers in the SI, and their SI unit, of numbers in another unit.
+    """Convert numbers to the SI; return them with their SI unit.
 
     Parameters
     ----------
@@ -430,18 +434,20 @@ def in_si(values: Any, unit: Any) -> tuple[Any, str]:
     if isinstance(unit, str):
         to_si = conversion(unit)
     if to_si is None:
-        hint = _hint(shown(unit)[1:-1], DIMENSION_OF_UNIT)
+        hint = _hint(shown(unit)[1:-1], DIMENSION_OF_UNIT)  # without the quotes
         if not hint:
             hint = "; use one such as 'V', 'mV' or 'N'"
         raise ValueError(f"unknown unit {shown(unit)}{hint}")
     if not _has_numbers(values):
         raise ValueError(f"values: must be numbers of {unit}, got {shown(values)}")
     factor = to_si.factor
-    try:  # one operation, which rounds once
+    # The float of 1000 is exact, that of 1/1000 is not: then dividing by the inverse
+    # rounds only once.
+    try:
         if factor >= 1:
             return values * float(factor), to_si.unit
         return values / float(1 / factor), to_si.unit
-    except (TypeError, OverflowError):
+    except (TypeError, OverflowError):  # a real number that floats cannot multiply
         message = f"values: must be numbers of {unit}, got {shown(values)}"
         raise ValueError(message) from None
 
@@ -486,8 +492,8 @@ def si_unit(dimension: str) -> str:
 def multiply_unit(powers: dict[str, float], unit: str, sign: int) -> None:
     """Multiply by a unit such as N s/m^2, or divide by it if the sign is -1.
 
-    `powers` are those of the symbols of the product so far; they are changed.
-    ValueError if a power of the unit is no number.
+    `powers` are those of the symbols of the product so far; they are changed. A symbol
+    that cancels keeps the power 0. ValueError if a power of the unit is no number.
     """
     above, _, below = unit.partition("/")
     for product, direction in ((above, sign), (below, -sign)):
@@ -496,7 +502,7 @@ def multiply_unit(powers: dict[str, float], unit: str, sign: int) -> None:
             power = 1.0
             if has_power:
                 power = float(exponent)
-            if symbol != "1":
+            if symbol != "1":  # as in 1/s
                 powers[symbol] = powers.get(symbol, 0.0) + direction * power
 
 
@@ -531,6 +537,8 @@ def _power(symbol: str, power: float) -> str:
 def in_base_units(powers: dict[str, float]) -> dict[str, float]:
     """Powers of m, kg, s and V of a unit, from those of any symbols of the SI.
 
+    Symbols that cancel are left out; unknown ones stay as they are.
+
     Examples
     --------
     >>> in_base_units({"N": 1, "m": -1})
@@ -553,11 +561,11 @@ def _spelt(unit: str) -> str:
 
 
 def _hint(word: str, units: Collection[str]) -> str:
-    """End of a sentence that names the units that may be meant; "" if none is near.
+    """End of a sentence, "; perhaps 'mm' is meant"; "" if no unit is near.
 
     For a word of `_UNREAD_UNITS` it says what that is in other units. Else it names the
-    unit of a name in `_OTHER_NAMES`, or all units that differ by capitals alone, or the
-    nearest one.
+    unit for a name in `_OTHER_NAMES`, or all units that differ by capitals alone, or
+    the one that is spelt most alike.
     """
     if word in _UNREAD_UNITS:
         return f"; {_UNREAD_UNITS[word]}"
@@ -598,7 +606,7 @@ def shown_path(path: Any) -> str:
     """The name of a file as messages show it, in quotes.
 
     Of a longer one only the beginning and the end are shown, `MOST_SHOWN_OF_PATH`
-    characters together.
+    characters together, with "..." between them.
 
     Examples
     --------
@@ -613,7 +621,7 @@ def shown_path(path: Any) -> str:
 
 
 def one_line(text: str) -> str:
-    """A text in one line, cut to `MOST_SHOWN` characters.
+    """A text in one line, cut to `MOST_SHOWN` characters, the last three "...".
 
     Characters that do not print are written as escapes, and white space as one blank.
     """
@@ -642,7 +650,8 @@ def format_si(value: float, unit: str, digits: int = 6) -> str:
     Parameters
     ----------
     value : float
-        The value in `unit`. NaN, which stands for "no such number", becomes a dash.
+        The value in `unit`. NaN, which stands for "no such number", becomes a dash, and
+        infinity "inf" with the unit.
     unit : str
         An SI unit without prefix, such as "s" or "N/m"; "" for a pure number.
     digits : int
@@ -691,7 +700,7 @@ def format_si(value: float, unit: str, digits: int = 6) -> str:
             # `normalize` drops zeros at the end, and + 0 the sign of -0.
             decimal = Decimal(mantissa).scaleb(shift).normalize() + 0
             return f"{decimal:f} {_PREFIXES[power]}{unit}"
-    return f"{value + 0.0:.{digits}g} {unit}".rstrip()
+    return f"{value + 0.0:.{digits}g} {unit}".rstrip()  # + 0.0: no -0
 
 
 def _is_digit_count(digits: Any) -> bool:
@@ -709,10 +718,11 @@ def format_power(exponent: int) -> str:
 def format_factor(number: float) -> str:
     """Write a positive factor: as it is from 1e-3 to 1e5, else with a power of ten.
 
-    The power has a lead of three digits, which is left out if it is 1.
+    The power has a factor of three digits before it, which is left out if it is 1.
     """
     if 1e-3 <= number < 1e5:
         return f"{number:g}"
+    # The guard: the logarithm of 10^n may be less than n by round-off.
     exponent = math.floor(math.log10(number) + ROUNDING_GUARD)
     lead = f"{number / 10.0**exponent:.3g}"
     if lead == "1":

@@ -225,9 +225,10 @@ class Bar(FrozenDataclass):
         x = self._speed_ratio(f)
         # G = k a, with k = omega/c = 2 pi f/(c0 x)
         G = np.asarray(2 * math.pi * self.radius / self.wave_speed * f / x)
+        # G x on both sides of G
         above = self._scaled_frequency(G * (1 + DIFFERENCE_STEP))
         below = self._scaled_frequency(G * (1 - DIFFERENCE_STEP))
-        change = above - below  # of G x
+        change = above - below
         width = 2 * DIFFERENCE_STEP * G
         ratio = np.ones(G.shape)  # the limit of long waves
         np.divide(change, width, out=ratio, where=G > 0)
@@ -270,8 +271,8 @@ class Bar(FrozenDataclass):
     def delays(self, frequency: ArrayLike) -> Number:
         """Delay of waves behind long waves for each metre of bar, 1/c - 1/c0.
 
-        The values are interpolated between exact values, as a record has many
-        frequencies.
+        The values are those of a spline through exact values up to the cut-off: this is
+        for speed, as a record has many frequencies.
 
         Parameters
         ----------
@@ -363,6 +364,7 @@ def first_mode(
     problems: Problems = []
     check_progress(problems, progress)
     raise_if_problems(problems)
+    # Beyond this limit the speed no longer changes; larger numbers would overflow.
     ratio = np.minimum(ratio, MAX_RADIUS_OVER_WAVELENGTH)
     G = 2 * math.pi * ratio
     speeds = _lowest_roots(_same_wavenumber, G, nu, progress)
@@ -468,7 +470,7 @@ def rayleigh_speed(poisson_ratio: ArrayLike) -> Number:
 
 
 def _rayleigh_speed(nu: float) -> float:
-    """c/c0 of surface waves for one Poisson ratio.
+    """c/c0 of Rayleigh's surface waves for one Poisson ratio.
 
     With r = (c/c2)^2 and kappa = (c2/c1)^2, Rayleigh's equation squared and divided by
     r is r^3 - 8 r^2 + (24 - 16 kappa) r + 16 (kappa - 1) = 0.
@@ -488,7 +490,8 @@ def _rayleigh_speed(nu: float) -> float:
 def _uniform_segment(rod: Any) -> Any:
     """The segment of a uniform `Rod`, or a uniform `Segment` itself.
 
-    InvalidModel for any other argument. The caller has dealt with a `waves.Bar`.
+    InvalidModel for any other argument: a rod of several segments, a taper, another
+    object. The caller has dealt with a `waves.Bar`.
     """
     segments = [rod]
     if isinstance(rod, Rod):
@@ -527,6 +530,7 @@ def _lowest_roots(
     poisson_ratios : array
         The same shape.
     progress : bool or function
+        See `first_mode`; a report follows each block of `VALUES_PER_BLOCK` waves.
 
     Returns
     -------
@@ -546,14 +550,15 @@ def _lowest_roots(
 
 
 def _roots_of_block(wavenumber: WavenumberFunction, numbers: Array, nu: Array) -> Array:
-    """Lowest roots x of some waves, [wave]; arguments as for `_lowest_roots`.
+    """Lowest roots x = c/c0 of some waves, [wave], from their numbers and nu, [wave].
 
-    The equation is computed at speeds in a row. The first change of its sign brackets
-    the root, and Brent's method finds it. Without a change, or for the number 0, the
-    root is 1, as for long waves.
+    `wavenumber` gives G from a number and x. The equation is computed at equal steps
+    from below the speed of surface waves to a little above 1. The first change of its
+    sign brackets the root, and Brent's method finds it. Without a change, or for the
+    number 0, the root is 1, as for long waves.
     """
     roots = np.ones(numbers.size)
-    # All waves are faster than surface waves.
+    # All waves are faster than surface waves, 0.9 of whose speed is on the safe side.
     slowest = 0.9 * np.min(rayleigh_speed(nu), initial=1.0)
     speeds = np.arange(slowest, 1.0 + 2 * SPEED_STEP, SPEED_STEP)
     G = wavenumber(numbers[:, None], speeds)  # [wave, speed]
@@ -584,14 +589,15 @@ def _equation(G: Any, x: Any, nu: Any) -> Any:
     """Left-hand side of the equation of frequencies, at c = x c0.
 
     The equation is at the head of this module. It is divided by G^4, so that A^2
-    becomes A2 = (A/G)^2 = c^2/c1^2 - 1, and B^2 becomes B2. It is also divided by the
-    growth of the functions I.
+    becomes A2 = (A/G)^2 = c^2/c1^2 - 1, and B^2 becomes B2 = c^2/c2^2 - 1. It is also
+    divided by the growth, exp(x), of the functions I(x). So only its sign and its roots
+    are those of the equation.
     """
     A2 = x * x * (1 + nu) * (1 - 2 * nu) / (1 - nu) - 1
     B2 = x * x * (2 + 2 * nu) - 1
     A = G * np.sqrt(np.abs(A2))
     B = G * np.sqrt(np.abs(B2))
-    J0A, jA = _bessel(A, A2)
+    J0A, jA = _bessel(A, A2)  # J0 and j(x) = J1(x)/x
     J0B, jB = _bessel(B, B2)
     square = (B2 - 1) * (B2 - 1)
     of_both = 2 * A2 * (B2 + 1) * jA * jB
@@ -608,14 +614,14 @@ class _Bessel(NamedTuple):
 
 
 def _bessel(x: Any, square: Any) -> _Bessel:
-    """Bessel functions at the root of a square, where x is its absolute value.
+    """Bessel functions J0 and J1(x)/x at the root of a square; x is its absolute value.
 
-    If the square is negative, its root is imaginary, and the functions are the modified
-    ones.
+    If the square is negative its root is imaginary, and the functions are the modified
+    ones, I0 and I1(x)/x, over their growth exp(x). Only the sign of `square` is used.
     """
     is_imaginary = square < 0
     is_small = x < SERIES_LIMIT
-    divisor = np.where(is_small, 1.0, x)
+    divisor = np.where(is_small, 1.0, x)  # 1.0: any number that divides without error
     first_order = np.where(is_imaginary, i1e(divisor), j1(divisor))
     order_0 = np.where(is_imaginary, i0e(x), j0(x))
     order_1_over_x = np.where(is_small, 0.5, first_order / divisor)  # the limit is 1/2
