@@ -420,10 +420,8 @@ def missing_name(
 ) -> AttributeError:
     """The error of a name that a module does not have, to be raised by the caller.
 
-    It gives the first of these hints: a synonym in the module, the sentence of
-    `ELSEWHERE` on this name, the name or a synonym in a module below, a name that is
-    spelt alike, all names if they are few, related names here and below, or else how to
-    list the names. There is no hint for names that begin with an underscore.
+    Its message hints at the name that may be meant, here or in the modules below. There
+    is no such hint for names that begin with an underscore.
 
     Parameters
     ----------
@@ -437,29 +435,45 @@ def missing_name(
         Names in modules below it.
     """
     message = f"module {module!r} has no attribute {name!r}"
-    if name[0] == "_":  # Python itself asks for such names
-        return AttributeError(message, name=name)
-    for synonym in _synonyms(name):
+    if name[0] != "_":  # Python itself asks for names with an underscore
+        message = f"{message}; {_name_hint(module, name, names, modules)}"
+    return AttributeError(message, name=name)
+
+
+def _name_hint(
+    module: str,
+    name: str,
+    names: Collection[str],
+    modules: dict[str, Collection[str]],
+) -> str:
+    """Hint at the name of a module, or of the modules below it, that may be meant.
+
+    The first of these is taken: a synonym in the module, the sentence of `ELSEWHERE` on
+    this name, the name or a synonym in a module below, a name that is spelt alike. Else
+    all names are listed if they are few, or related names here and below. If there are
+    none, the hint says how to list the names.
+    """
+    synonyms = _synonyms(name)
+    for synonym in synonyms:
         if synonym in names:
-            return AttributeError(f"{message}; perhaps {synonym!r} is meant", name=name)
+            return f"perhaps {synonym!r} is meant"
     if name in ELSEWHERE:
-        return AttributeError(f"{message}; {ELSEWHERE[name]}", name=name)
+        return ELSEWHERE[name]
     for below, its_names in modules.items():
-        for meant in (name, name.lower(), *_synonyms(name)):
+        for meant in (name, name.lower(), *synonyms):
             if meant in its_names and meant not in names:
-                message = f"{message}; perhaps {f'{below}.{meant}'!r} is meant"
-                return AttributeError(message, name=name)
+                path = f"{below}.{meant}"
+                return f"perhaps {path!r} is meant"
     if similar(name, names) is not None or len(names) <= MOST_CHOICES:
-        return AttributeError(f"{message}; {nearest(name, names)}", name=name)
+        return nearest(name, names)
     choices = list(names)
     for below, its_names in modules.items():
         for its_name in its_names:
             choices.append(f"{below}.{its_name}")
-    hint = f"dir({module}) lists its names"
-    related = [choice for choice in choices if _kinship(name, choice) > 0]
-    if related:
-        hint = f"use one of {listed(related_first(name, choices))}"
-    return AttributeError(f"{message}; {hint}", name=name)
+    for choice in choices:
+        if _kinship(name, choice) > 0:  # at least one is related
+            return f"use one of {listed(related_first(name, choices))}"
+    return f"dir({module}) lists its names"
 
 
 # Arguments

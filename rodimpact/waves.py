@@ -427,10 +427,11 @@ def mindlin_herrmann(
         root_sum = (moduli.axial + shear) * short + cut_off * long
         root_product = moduli.axial * shear * short + cut_off * long
         discriminant = root_sum * root_sum - 4 * root_product * short
-        # Twice the larger root; the smaller one follows without cancellation.
-        larger = root_sum + np.sqrt(discriminant)
-        slow = np.sqrt(2 * root_product / larger)
-        fast = np.sqrt(larger / (2 * short))
+        # The larger root times 2 short. The smaller root is root_product/short over the
+        # larger one: no digits cancel.
+        scaled_root = root_sum + np.sqrt(discriminant)
+        slow = np.sqrt(2 * root_product / scaled_root)
+        fast = np.sqrt(scaled_root / (2 * short))
     return float_or_array(slow), float_or_array(fast)
 
 
@@ -565,7 +566,7 @@ def _roots_of_block(wavenumber: WavenumberFunction, numbers: Array, nu: Array) -
     values = _equation(G, speeds, nu[:, None])
     signs = np.sign(values)
     has_changed = signs[:, 1:] != signs[:, :1]  # since the slowest speed
-    first_change = has_changed.argmax(axis=1)
+    first_change = has_changed.argmax(axis=1)  # index of the first True
     has_root = (numbers > 0) & has_changed.any(axis=1)
     for i in np.flatnonzero(has_root):
         low = speeds[first_change[i]]

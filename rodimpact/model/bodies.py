@@ -285,10 +285,10 @@ class Segment(FrozenDataclass):
     def _check(self, problems: Problems) -> None:
         """Set the area, and refuse numbers that do not go together.
 
-        The area is that of a diameter, or sampled if it is a function. The material is
-        checked, and so are impedance, transit time and mass, which may not be extreme.
-        A taper is refused if a uniform segment of its smallest or largest area would
-        be. All mistakes so far are raised here.
+        The area follows from a diameter, or is sampled if it is a function.
+        InvalidModel with all mistakes so far, also a material that is none; else if
+        impedance, transit time or mass is extreme, or if arrays make no family. A taper
+        is refused if a uniform segment of its smallest or largest area would be.
         """
         area = self._checked_area(problems)
         self._set(area=area)

@@ -399,9 +399,9 @@ def require(
     """Return whether a condition, a truth value or an array, holds in every member.
 
     If not, one problem is added, for the first member for which it does not hold. The
-    message is formatted with the values of that member, the first one as ``{0!r}``.
-    To the path its index is appended, ``[3,1]``, unless the condition is a single truth
-    value.
+    message is formatted with the values of that member, ``{0!r}`` for the first one, if
+    values are given. The index of the member, ``[3,1]``, is appended to the path unless
+    the condition is a single truth value.
     """
     if condition is True or np.all(condition):
         return True

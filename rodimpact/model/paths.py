@@ -97,9 +97,10 @@ def alternative_of(entry: str) -> str:
 def with_numbers(system: System, numbers: Mapping[str, float]) -> System:
     """New system with other numbers at entries; InvalidModel if the model refuses them.
 
-    A wave speed c is set as the modulus E = rho c^2, after the density rho. An area A
-    of a round rod is set as the diameter sqrt(4 A/pi). A negative speed or area is
-    passed on as a negative modulus or diameter, so that the model refuses it.
+    A wave speed c is set as the modulus E = rho c^2, with the new density rho if that
+    is changed, too. An area A of a round rod is set as the diameter sqrt(4 A/pi). A
+    negative speed or area is passed on as a negative modulus or diameter, so that the
+    model refuses it.
     """
     description = system.to_dict()
     speeds = []  # tables of materials, with the wave speed that each shall have

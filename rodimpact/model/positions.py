@@ -52,11 +52,11 @@ def _of_lines(position: Samples) -> Any:
     """
     step: Any = position.step
     rises = np.diff(position.values)
-    is_new = np.append(True, rises[1:] != rises[:-1])
-    first_lines = np.flatnonzero(is_new)  # index of the first line of each step
+    # A line begins a step if its slope is not that of the line before.
+    begins_step = np.append(True, rises[1:] != rises[:-1])
     values = []
     starts = []
-    for i in first_lines.tolist():
+    for i in np.flatnonzero(begins_step).tolist():
         values.append(float(rises[i]) / step)
         starts.append(i * step)
     if rises[-1] != 0:  # after the last sample the end stays where it is
@@ -64,7 +64,7 @@ def _of_lines(position: Samples) -> Any:
         starts.append(len(rises) * step)
     if len(values) == 1:  # one step alone is a rest: any motion is followed by a stop
         return values[0]
-    return Steps(values, starts[1:])
+    return Steps(values, starts[1:])  # the first start, t = 0, is no jump
 
 
 def _of_spline(problems: Problems, position: Samples) -> Any:

@@ -491,7 +491,7 @@ def flipped(profile: Profile, length: Number) -> Profile:
         if has_width:
             values.append(value)
             starts.append(edges[i])
-    return Steps(values, starts[1:])
+    return Steps(values, starts[1:])  # the first start, x = 0, is no jump
 
 
 def extremes(profile: Profile) -> list[Any]:

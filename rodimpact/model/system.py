@@ -495,11 +495,10 @@ def _check_bodies(problems: Problems, bodies: Any) -> None:
 
 
 def _check_any_moves(problems: Problems, bodies: Any, laws: Any) -> None:
-    """Add a problem if nothing can move.
+    """Add a problem if nothing can move: no rod, and all masses are bonded to walls.
 
-    Then the row has no rod, and all masses are bonded to walls. Contacts that are not
-    bonded divide the row into one group more than there are of them. Walls stand at the
-    ends, so all groups have a wall if there are more walls than such contacts.
+    The n contacts that are not bonded divide the row into n + 1 groups. Walls stand
+    only at the ends of the row, so all groups have a wall if there are more than n.
     """
     n_walls = 0
     for body in bodies:
@@ -557,9 +556,10 @@ def _check_elastic_overlap(problems: Problems, i: int, law: Any, gap: Number) ->
 
 
 def _check_rigid(problems: Problems, i: int, law: Rigid, pair: Any) -> None:
-    """Add a problem of a rigid contact that is undetermined, or determined twice.
+    """Add a problem of rigid contact i that is undetermined, or determined twice.
 
-    Two rigid bodies need a restitution; the waves of a rod decide, so a rod refuses it.
+    Between a rigid mass and a mass or wall a restitution must be given. Beside a rod it
+    may not be given, since the waves of the rod decide.
     """
     kinds = set(map(type, pair))
     has_mass = RigidMass in kinds
@@ -582,13 +582,15 @@ def _check_rigid(problems: Problems, i: int, law: Rigid, pair: Any) -> None:
 
 
 def _check_bonded_velocities(system: System) -> None:
-    """Raise InvalidModel if rigid bodies that are bonded have different velocities."""
+    """Raise InvalidModel if rigid bodies that are bonded have different velocities.
+
+    It is about the first such pair, and about the velocity of its right body.
+    """
     for i, law in enumerate(system.contacts):
         left = system.bodies[i]
         right = system.bodies[i + 1]
-        if not isinstance(law, Bonded):
-            continue
-        if isinstance(left, Rod) or isinstance(right, Rod):
+        are_rigid = not isinstance(left, Rod) and not isinstance(right, Rod)
+        if not are_rigid or not isinstance(law, Bonded):
             continue
         is_same = np.equal(left.velocity, right.velocity)
         message = "must be {0!r}, that of the rigid body it is bonded to, got {1!r}"
