@@ -164,7 +164,8 @@ def similar(word: Any, choices: Collection[str]) -> str | None:
     choice_of = {}  # choice by its name, which is cut and in small letters
     for choice in choices:
         choice_of[choice.casefold()[:MOST_SHOWN]] = choice
-    alike = difflib.get_close_matches(text[:MOST_SHOWN].casefold(), choice_of, n=1)
+    text_to_match = text[:MOST_SHOWN].casefold()
+    alike = difflib.get_close_matches(text_to_match, choice_of, n=1)
     if alike:
         return choice_of[alike[0]]
     return None

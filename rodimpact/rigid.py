@@ -410,7 +410,13 @@ def stack_drop(
     v[..., 0] = e[..., 0] * drop_speed  # the bottom ball bounces off the floor
     for i in range(1, n_balls):
         below = i - 1
-        after = collide(M[..., below], v[..., below], M[..., i], v[..., i], e[..., i])
+        after = collide(
+            m1=M[..., below],
+            v1=v[..., below],
+            m2=M[..., i],
+            v2=v[..., i],
+            restitution=e[..., i],
+        )
         v[..., below] = after.velocity_1
         v[..., i] = after.velocity_2
     rise_speed = np.maximum(v[..., -1], 0.0)  # 0 if the top ball does not rise

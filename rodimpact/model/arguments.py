@@ -126,12 +126,12 @@ def check_kind(name: str, value: Any, kind: type, example: str) -> None:
     wanted = f"must be {article} {kind.__name__}, such as {example}"
     part = kind.__name__.lower()  # name of the attribute: `system` for a System
     if isinstance(getattr(value, part, None), kind):
-        found = (
+        received = (
             f"a {type(value).__name__}: give its {kind.__name__}, the attribute {part}"
         )
     else:
-        found = shown(value)
-    raise invalid_argument(name, f"{wanted}, got {found}")
+        received = shown(value)
+    raise invalid_argument(name, f"{wanted}, got {received}")
 
 
 def check_choice(name: str, value: Any, choices: Collection[str]) -> None:

@@ -886,7 +886,9 @@ def _decimal_distance(start: Number, end: Number) -> Number:
     """
     if not isinstance(start, np.ndarray) and not isinstance(end, np.ndarray):
         # The text of a float is the shortest decimal that stands for it.
-        return float(Decimal(repr(float(end))) - Decimal(repr(float(start))))
+        decimal_end = Decimal(repr(float(end)))
+        decimal_start = Decimal(repr(float(start)))
+        return float(decimal_end - decimal_start)
     starts, ends = np.broadcast_arrays(start, end)
     distances = np.empty(starts.shape)
     for member in np.ndindex(starts.shape):

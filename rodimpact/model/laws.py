@@ -741,7 +741,9 @@ class Tabulated(Plastic, law="tabulated"):
             compressions.append(peak_compression + force / last_slope)
             forces.append(2 * force)  # any force beyond the peak would do
         else:
-            peak_compression = np.interp(force, (0.0, *forces), (0.0, *compressions))
+            # The table with its point (0, 0), read the other way
+            all_forces = (0.0, *forces)
+            peak_compression = np.interp(force, all_forces, (0.0, *compressions))
         is_elastic = force <= 0 or force >= k * peak_compression * (1 - SLOPE_RTOL)
         if is_elastic:
             return self

@@ -149,10 +149,10 @@ def suggestion(path: str, choices: Collection[str]) -> str:
     listed, or if they are more than `MOST_CHOICES`, only their next parts.
     """
     beginning = _shared_beginning(path, choices)
-    rest = path.removeprefix(beginning)
+    last_parts = path.removeprefix(beginning)
     deeper = []
     for choice in choices:
-        if choice.startswith(beginning) and choice.endswith("." + rest):
+        if choice.startswith(beginning) and choice.endswith("." + last_parts):
             deeper.append(choice)
     if deeper:
         return f"perhaps one of {listed(deeper)} is meant"
@@ -160,7 +160,7 @@ def suggestion(path: str, choices: Collection[str]) -> str:
     for choice in choices:
         if choice.startswith(beginning):
             remainders.append(choice.removeprefix(beginning))
-    hint = nearest(rest, remainders, beginning)
+    hint = nearest(last_parts, remainders, beginning)
     none_is_near = hint.startswith("use one of")  # the words of `nearest` for a list
     if none_is_near and len(remainders) > MOST_CHOICES:
         beginnings: dict[str, None] = {}  # each once, in order

@@ -92,10 +92,10 @@ def _of_spline(problems: Problems, position: Samples) -> Any:
     # Neighbouring polynomials share the value between them: no round-off makes a jump.
     values[:, 0] = velocity(times[:-1])
     values[:, -1] = velocity(times[1:])
-    at_rest = np.zeros(VALUES_PER_INTERVAL)
+    at_rest = np.zeros(VALUES_PER_INTERVAL)  # after the last sample
+    all_values = np.append(values.ravel(), at_rest).tolist()
+    borders = times[1:].tolist()
     # An error of the curve that is 0 at the samples is taken to be as steep as a sine
     # whose half period is the step.
     error = np.pi * position.error / step
-    return Polynomials(
-        np.append(values.ravel(), at_rest).tolist(), times[1:].tolist(), error=error
-    )
+    return Polynomials(all_values, borders, error=error)
