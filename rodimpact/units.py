@@ -570,12 +570,13 @@ def _hint(word: str, units: Collection[str]) -> str:
     if word in _UNREAD_UNITS:
         return f"; {_UNREAD_UNITS[word]}"
     near = []
-    for unit in units:
-        if unit.casefold() == word.casefold():
-            near.append(repr(unit))
     other_name = _OTHER_NAMES.get(word)
     if other_name is not None and other_name in units:
-        near = [repr(other_name)]
+        near.append(repr(other_name))
+    else:
+        for unit in units:
+            if unit.casefold() == word.casefold():
+                near.append(repr(unit))
     if not near:
         matches = difflib.get_close_matches(word[:MOST_SHOWN], units, n=1)
         near = list(map(repr, matches))

@@ -416,13 +416,14 @@ def mindlin_herrmann(
     )
     moduli = radial_moduli(1.0, nu)
     shear = moduli.shear / INERTIA
-    cut_off = 2 * moduli.radial / INERTIA
+    cut_off = 2 * moduli.radial / INERTIA  # square of omega a/c0 there
     with np.errstate(divide="ignore", over="ignore"):
         G_squared = (2 * math.pi * ratio) ** 2
-        # The quadratic equation is multiplied by G^2/(1 + G^2): both limits are finite.
-        long = 1 / (1 + G_squared)
+        # The quadratic equation is multiplied by short = G^2/(1 + G^2), so that it is
+        # finite for long waves and for short ones.
+        long = 1 / (1 + G_squared)  # short/G^2
         short = 1 / (1 + 1 / G_squared)
-        # short x^2 - root_sum x + root_product = 0; moduli are over E, so that
+        # It is short x^2 - root_sum x + root_product = 0; moduli are over E, so that
         # axial radial - coupling^2 is radial.
         root_sum = (moduli.axial + shear) * short + cut_off * long
         root_product = moduli.axial * shear * short + cut_off * long
