@@ -500,7 +500,7 @@ def explain_arguments(function: Callable[P, R]) -> Callable[P, R]:
                 raise TypeError(message) from None
             raise  # the arguments are right: the error is the function's own
 
-    setattr(explained, EXPLAINED, True)
+    setattr(explained, EXPLAINED, True)  # so that `explain_methods` skips it
     return explained
 
 
@@ -545,9 +545,10 @@ def _refusal(
 
 
 def _excess(parameters: dict[str, inspect.Parameter], n_given: int) -> str:
-    """Text on the arguments that may be given by position, if more than these are.
+    """Text on which arguments may be given by position, if `n_given` are too many.
 
-    "" if `n_given` are not too many. Parameters that must be named are listed, too.
+    It names the parameters that take them, and those that must be named. "" if as many
+    may be given.
     """
     by_position = []  # names of parameters that may be given so
     by_name = []  # those that must be named

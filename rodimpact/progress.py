@@ -87,10 +87,9 @@ class Progress:
     def __enter__(self) -> ProgressReport:
         """Begin the call; return the function to which it reports how far it is.
 
-        A call inside the outermost one, of the same name, goes on with its function or
-        bar. Any other call reports to the user's function if there is one, the
-        outermost call else to its bar, and all others to a function that does nothing.
-        In a worker thread there is no bar.
+        It is the first of these: that of the outermost call, if this call is inside it
+        and has the same name; the user's function; the bar, for the outermost call; one
+        that does nothing. In a worker thread no call is outermost.
         """
         global _outermost
         self._is_outermost = False

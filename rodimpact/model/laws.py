@@ -741,7 +741,7 @@ class Tabulated(Plastic, law="tabulated"):
             compressions.append(peak_compression + force / last_slope)
             forces.append(2 * force)  # any force beyond the peak would do
         else:
-            # The table with its point (0, 0), read the other way
+            # The table from (0, 0) on gives the compression over the force.
             all_forces = (0.0, *forces)
             peak_compression = np.interp(force, all_forces, (0.0, *compressions))
         is_elastic = force <= 0 or force >= k * peak_compression * (1 - SLOPE_RTOL)
@@ -1023,7 +1023,7 @@ class Law(_Law, law="own"):
         code = getattr(function, "__code__", None)
         cells = getattr(function, "__closure__", None)
         parts = [getattr(function, "__qualname__", repr(function))]
-        for cell in cells or ():
+        for cell in cells or ():  # None if the function closes over nothing
             parts.append(repr(cell.cell_contents))
         if code is not None:
             parts.append(code.co_code.hex())

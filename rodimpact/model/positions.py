@@ -50,18 +50,18 @@ def _of_lines(position: Samples) -> Any:
     It is `Steps`: neighbouring lines of equal slope make one step. If the end never
     moves it is 0, a number, or an array if the step of the samples is one.
     """
-    step: Any = position.step
+    dt: Any = position.step  # between samples, s
     rises = np.diff(position.values)
-    # A line begins a step if its slope is not that of the line before.
-    begins_step = np.append(True, rises[1:] != rises[:-1])
+    # A line has a velocity of its own if its slope is not that of the line before.
+    is_new = np.append(True, rises[1:] != rises[:-1])
     values = []
     starts = []
-    for i in np.flatnonzero(begins_step).tolist():
-        values.append(float(rises[i]) / step)
-        starts.append(i * step)
+    for i in np.flatnonzero(is_new).tolist():
+        values.append(float(rises[i]) / dt)
+        starts.append(i * dt)
     if rises[-1] != 0:  # after the last sample the end stays where it is
         values.append(0.0)
-        starts.append(len(rises) * step)
+        starts.append(len(rises) * dt)
     if len(values) == 1:  # one step alone is a rest: any motion is followed by a stop
         return values[0]
     return Steps(values, starts[1:])  # the first start, t = 0, is no jump

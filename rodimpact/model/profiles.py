@@ -672,15 +672,15 @@ def _samples_of(
     middles = (places[1:] + places[:-1]) / 2
     try:
         values = _values_of(function, places, field)
-        exact = _values_of(function, middles, field)
+        exact_values = _values_of(function, middles, field)
     except ValueError as error:
         problems.append((path, str(error)))
         return 0.0
     # Values of both curves at the middles
-    spline = make_interp_spline(places, values, SPLINE_DEGREE)(middles)
-    lines = (values[1:] + values[:-1]) / 2
-    spline_error = float(np.max(np.abs(spline - exact)))
-    lines_error = float(np.max(np.abs(lines - exact)))
+    spline_values = make_interp_spline(places, values, SPLINE_DEGREE)(middles)
+    line_values = (values[1:] + values[:-1]) / 2
+    spline_error = float(np.max(np.abs(spline_values - exact_values)))
+    lines_error = float(np.max(np.abs(line_values - exact_values)))
     return Samples(
         values,
         step,
