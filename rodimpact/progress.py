@@ -148,8 +148,12 @@ class Progress:
             self._update(done, total)
 
     def _open(self, total: int | None) -> None:
-        """Show a bar, and warnings above it from now on."""
-        self._bar = bar_class()(
+        """Make a bar, and show warnings above it from now on.
+
+        Its time counts from the beginning of the call. A total of None is unknown.
+        """
+        kind_of_bar = bar_class()
+        self._bar = kind_of_bar(
             desc=self._name,
             unit=f" {self._unit}",
             initial=self._done_before,  # which says nothing about the rate

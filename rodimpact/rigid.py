@@ -240,6 +240,7 @@ def collide(
     after = -e * before
     W1 = V_cm - mass_fraction_2 * after
     W2 = V_cm + mass_fraction_1 * after
+    # Energies are infinite if an immovable body moves; the energy lost is finite.
     energy_before = _kinetic_energy(M1, V1) + _kinetic_energy(M2, V2)
     energy_after = _kinetic_energy(M1, W1) + _kinetic_energy(M2, W2)
     lost_fraction = (1 - e) * (1 + e)  # of the energy of the relative motion

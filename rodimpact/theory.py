@@ -358,9 +358,10 @@ def mass_on_rod(
     rod_mass = Z * T
     mu = rod_mass / M
     round_trip = 2 * T
-    # The fraction of its momentum that the mass hands over: 1 - exp(-Z t/M) at t = 2 T
+    # The fraction of its momentum that the mass hands over: 1 - exp(-Z t/M) at t = 2 T,
+    # which is 1 - exp(-2 mu)
     momentum_fraction = -np.expm1(-2 * mu)
-    e = momentum_fraction / mu - 1 + momentum_fraction  # - exp(-2 mu) is the latter - 1
+    e = momentum_fraction / mu - 1 + momentum_fraction
     m = reduced_mass(M, rod_mass)
     return _collision(
         restitution=e,

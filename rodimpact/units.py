@@ -627,7 +627,7 @@ def one_line(text: str) -> str:
     Characters that do not print are written as escapes, and white space as one blank.
     """
     line = ""
-    words = text[: 2 * MOST_SHOWN].split()
+    words = text[: 2 * MOST_SHOWN].split()  # enough of a long text
     for character in " ".join(words):
         if character.isprintable():
             line += character

@@ -97,7 +97,7 @@ def broadcast_arguments(**arguments: tuple[Any, str, str]) -> tuple[Array, ...]:
         except InvalidModel as error:
             problems += error.problems
     raise_if_problems(problems)
-    broadcast_shape(arrays.items())
+    broadcast_shape(arrays.items())  # raises with the names if they do not broadcast
     return np.broadcast_arrays(*arrays.values())
 
 

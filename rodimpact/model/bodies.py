@@ -222,6 +222,7 @@ def _modulus_of(problems: Problems, density: Any, wave_speed: Any) -> Any:
     c = WAVE_SPEED.checked(problems, "wave_speed", wave_speed)
     if problems:
         return None
+    # This raises if the two make no family.
     frozen.family_shape([("density", rho), ("wave_speed", c)])
     with np.errstate(all="ignore"):  # an overflow is refused below
         modulus = rho * c * c

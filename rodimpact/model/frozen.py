@@ -284,8 +284,8 @@ class QuantityField(NamedTuple):
         """Return a list of numbers as a tuple, each as `checked` returns it.
 
         The items of an array are its entries along the first axis, and each may be an
-        array itself. If the value is no list, tuple or array of numbers, a problem is
-        added and () returned.
+        array itself. A mistake of an item has the path of the item. If the value is no
+        list, tuple or array of numbers, a problem is added and () returned.
         """
         if not isinstance(items, list | tuple):
             try:

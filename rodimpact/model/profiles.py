@@ -340,8 +340,8 @@ def _check_inside(
 ) -> None:
     """Add a problem unless the last jump or border of a profile lies inside the rod.
 
-    A profile without jumps is always sound. Both must hold in every member of a family;
-    InvalidModel if the numbers of the profile and the length do not broadcast.
+    A profile without jumps is always sound. In a family this must hold for every
+    member; InvalidModel if the numbers of the profile and the length do not broadcast.
     """
     if isinstance(profile, Steps):
         places = list(profile.at)

@@ -482,7 +482,7 @@ def _check_bodies(problems: Problems, bodies: Any) -> None:
     if not isinstance(bodies, list | tuple) or not bodies:
         message = "must be a list of at least one rod or rigid mass"
         raise frozen.invalid_argument("bodies", f"{message}, got {shown(bodies)}")
-    for i, body in enumerate[Any](bodies):
+    for i, body in enumerate(bodies):
         if type(body) not in _BODIES:
             message = "must be a Rod, a RigidMass or a Wall itself"
             add_problem(problems, f"bodies.{i}", message, body)
