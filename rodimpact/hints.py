@@ -220,7 +220,10 @@ def _synonyms(word: str) -> tuple[str, ...]:
 
 
 def listed(names: list[str]) -> str:
-    """Names with commas between them; if they are many the first `MOST_CHOICES`, ..."""
+    """Names with commas between them.
+
+    Of more than `MOST_CHOICES` names only the first are listed, with "..." behind them.
+    """
     text = ", ".join(names[:MOST_CHOICES])
     if len(names) > MOST_CHOICES:
         text += ", ..."

@@ -339,7 +339,8 @@ def restitution_from_heights(drop: ArrayLike, rebound: ArrayLike) -> Number:
     message = (
         "must be at most the drop, {1!r}, got {0!r}: a ball from rest rises no higher"
     )
-    demand(rise <= fall, "rebound", message, rise, fall)  # {0} and {1}
+    # The message shows the rise as {0!r}, and the fall as {1!r}.
+    demand(rise <= fall, "rebound", message, rise, fall)
     e = np.sqrt(rise / fall)
     return float_or_array(e)
 

@@ -34,7 +34,7 @@ def mirrored(shaft: Shaft, length: Number) -> Shaft:
     """
     if isinstance(shaft, Drag):
         return shaft.replace(coefficient=flipped(shaft.coefficient, length))
-    # A positive mobilised share pushes the rod to the left, which is to the right then.
+    # A positive share pushes the rod to the left, so the mirrored rod to the right.
     return shaft.replace(
         resistance=flipped(shaft.resistance, length),
         mobilised=negative(flipped(shaft.mobilised, length)),

@@ -372,6 +372,7 @@ class System(FrozenDataclass):
         Returns
         -------
         System
+            Bodies, gaps, contacts and ends stand in the opposite order.
 
         Examples
         --------
@@ -381,8 +382,9 @@ class System(FrozenDataclass):
         ['wall', 'rod']
         """
         left, right = self.ends
+        bodies = [_mirrored_body(body) for body in reversed(self.bodies)]
         return System(
-            list(map(_mirrored_body, reversed(self.bodies))),
+            bodies,
             self.gaps[::-1],
             self.contacts[::-1],
             gravity=-self.gravity,
