@@ -394,6 +394,10 @@ class Parts(tuple[T, ...]):
     __slots__ = ()
 
     def __getattr__(self, name: str) -> Any:
+        """Raise AttributeError that names the first item with this attribute, if any.
+
+        Python calls this only for attributes that a tuple does not have.
+        """
         message = f"'tuple' object has no attribute {name!r}"
         for i in range(len(self)):
             # Python itself asks for names with an underscore.
