@@ -452,7 +452,7 @@ def negative(profile: Profile) -> Profile:
 def scaled(profile: Profile, factor: float) -> Profile:
     """Return the profile, or the number, with all its values times a factor.
 
-    The stated error of a profile is multiplied by the size of the factor.
+    The stated error of samples and polynomials is multiplied by abs(factor).
     """
     if isinstance(profile, Steps | Samples | Polynomials):
         changed: dict[str, Any] = {}
