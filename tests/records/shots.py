@@ -110,7 +110,7 @@ def calibration_shot():
     """
     bodies = [rod(0.3, velocity=12.0), rod(1.5), rod(1.5)]
     row = ri.System(bodies, contacts=[ri.Hertz(6e10), ri.Rigid()])
-    return CalibrationShot(solved(row, until=1.4e-3, cells=900))
+    return CalibrationShot(solved(row, until=1.4e-3, cells=450))
 
 
 def trapezoid(duration, rise):
@@ -125,7 +125,7 @@ def trapezoid(duration, rise):
 
 @keep_last
 def pressure_bar_shot(
-    duration=150e-6, rise=30e-6, length=1.5, until=7e-4, material=POLYMER, cells=900
+    duration=150e-6, rise=30e-6, length=1.5, until=7e-4, material=POLYMER, cells=450
 ):
     """A trapezoidal pulse runs through the input bar to the specimen."""
     level = trapezoid(duration, rise)
@@ -142,7 +142,7 @@ STRIKER = ri.Rod(0.4, diameter=DIAMETER, material=STEEL, velocity=12.0)
 
 
 @keep_last
-def direct_impact(until=7e-4, cells=900):
+def direct_impact(until=7e-4, cells=450):
     """A striker hits a soft specimen with mass, which lies on the output bar."""
     row = ri.System(
         [rod(0.4, velocity=12.0), specimen_rod(SOFT), rod(1.5)],
@@ -180,7 +180,7 @@ class LawShot(NamedTuple):
 
 
 @keep_last
-def direct_impact_on_law(is_rigid=False, until=7e-4, cells=900):
+def direct_impact_on_law(is_rigid=False, until=7e-4, cells=450):
     """A rod or a rigid mass hits a specimen that yields and hardens."""
     striker = rod(0.4, velocity=12.0)
     if is_rigid:
@@ -227,7 +227,7 @@ def slow_direct_impact(until=7e-4):
     law = ri.Yielding(stiffness=2.1e7, yield_force=1.7e3, hardening=1e6)
     bodies = [rod(0.4, THIN_DIAMETER, velocity=3.0), rod(1.5, THIN_DIAMETER)]
     row = ri.System(bodies, contacts=[law])
-    return LawShot(solved(row, until, cells=900), SLOW_SPECIMEN)
+    return LawShot(solved(row, until, cells=450), SLOW_SPECIMEN)
 
 
 @keep_last
@@ -239,4 +239,4 @@ def slow_direct_impact_with_mass(until=7e-4):
         rod(1.5, THIN_DIAMETER),
     ]
     row = ri.System(bodies, contacts=[ri.Rigid(), ri.Rigid()])
-    return Shot(solved(row, until, cells=900), SLOW_SPECIMEN)
+    return Shot(solved(row, until, cells=450), SLOW_SPECIMEN)

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 from exhaustive import few_of
-from records import shots
 
 import rodimpact as ri
 
@@ -126,13 +125,6 @@ def test_mistakes_are_named():
         arguments |= change
         with pytest.raises(ri.InvalidModel, match=says):
             ri.calibrate_bar(**arguments)
-
-
-def test_bars_that_reflect_as_they_should_raise_no_doubt():
-    shot = shots.calibration_shot()
-    on_first = shot.gauge(1, 0.75, noise=0.002, seed=1)
-    on_second = shot.gauge(2, 0.75, noise=0.002, seed=2)
-    assert ri.calibrate(on_first, on_second, shots.BAR).doubts == ()
 
 
 def test_a_joint_that_reflects_too_much_is_told():

@@ -16,7 +16,8 @@ TRAVEL = DISTANCE / shots.STEEL.wave_speed  # s
 
 @pytest.fixture(scope="module")
 def shot():
-    return shots.pressure_bar_shot()
+    """On a fine grid: its errors are far below the bands."""
+    return shots.pressure_bar_shot(cells=900)
 
 
 def cut(gauge, start, end):
@@ -73,6 +74,7 @@ def test_cut_pulses_with_the_times_of_the_records_give_stress_and_strain(shot, r
     assert result.doubts == ()
 
 
+@pytest.mark.usefixtures("all_draws")
 @pytest.mark.parametrize("count", few_of([3, 8], [3]))
 def test_the_band_of_cut_pulses_covers_90_percent_of_the_stress(shot, count):
     covered = []

@@ -14,7 +14,7 @@ LONG_PULSE = {
     "duration": 500e-6,
     "until": 1.3e-3,
     "material": shots.SOFT,
-    "cells": 900,
+    "cells": 600,
 }
 
 
@@ -90,6 +90,7 @@ def test_overlapping_waves_are_separated_by_equal_forces_and_not_without(
     assert result.doubts == ()
 
 
+@pytest.mark.usefixtures("all_draws")
 @pytest.mark.exhaustive
 def test_bands_cover_93_percent_of_the_truth_of_overlapping_waves(shot):
     covered = []
@@ -150,6 +151,7 @@ def reduced_impact(gauge, striker, specimen=SPECIMEN):
     return ri.reduce(output_gauges=gauge, bars=BAR, specimen=specimen, striker=striker)
 
 
+@pytest.mark.usefixtures("all_draws")
 @pytest.mark.parametrize("is_rigid", few_of([False, True], [False]))
 def test_the_law_of_a_direct_impact_is_found_and_bands_contain_it(is_rigid):
     """A specimen that yields at 133 MPa and hardens, hit by a rod or by a rigid

@@ -145,6 +145,7 @@ def part_within_band(values, true_values, band):
     return np.mean(np.abs(values - true_values) <= band)
 
 
+@pytest.mark.usefixtures("all_draws")
 @pytest.mark.parametrize("sign", few_of([-1.0, 1.0], [-1.0]))
 def test_a_known_specimen_is_found_through_bars_that_disperse(shot, sign):
     compression = "positive"
@@ -178,6 +179,7 @@ def test_without_dispersion_the_stress_of_the_same_shot_is_off(shot):
     assert "without dispersion" in str(result)
 
 
+@pytest.mark.usefixtures("all_draws")
 @pytest.mark.exhaustive
 def test_at_a_noise_of_1_percent_bands_cover_the_truth_and_errors_are_below_1_percent(
     shot,
@@ -205,6 +207,7 @@ def test_at_a_noise_of_1_percent_bands_cover_the_truth_and_errors_are_below_1_pe
     assert np.median(strain_errors) <= 0.01
 
 
+@pytest.mark.usefixtures("all_draws")
 @pytest.mark.parametrize("apart", few_of([0.15, 0.05], [0.05]))
 def test_two_gauges_tell_waves_apart_that_overlap(long_shot, apart):
     with pytest.raises(ValueError, match="second gauge"):
@@ -596,6 +599,13 @@ def test_stated_errors_of_gains_contain_the_true_ones(seed):
         assert max(stated) < 0.01
 
 
+def test_bars_that_reflect_as_they_should_raise_no_doubt():
+    shot = shots.calibration_shot()
+    on_first = shot.gauge(1, 0.75, noise=0.002, seed=1)
+    on_second = shot.gauge(2, 0.75, noise=0.002, seed=2)
+    assert ri.calibrate(on_first, on_second, shots.BAR).doubts == ()
+
+
 def test_bars_of_unlike_impedance_are_calibrated_and_their_reflection_is_expected():
     metal = ri.Material("metal", youngs_modulus=2e11, density=8000)
     striker = ri.Rod(0.3, area=1e-4, material=metal, velocity=10.0)
@@ -613,6 +623,7 @@ def test_bars_of_unlike_impedance_are_calibrated_and_their_reflection_is_expecte
     assert result.expected == pytest.approx((8e-5 - 1e-4) / (8e-5 + 1e-4))
 
 
+@pytest.mark.usefixtures("all_draws")
 def test_a_calibration_stands_for_the_bars_and_its_errors_widen_the_bands(shot):
     gauges = gauges_without_specimen(gains=(1.05, 0.93), noise=0.003)
     calibration = ri.calibrate(*gauges, BAR, striker_speed=9.0)
@@ -672,6 +683,7 @@ def measured_gauges():
     return [ri.BarGauge(first, 0.381), ri.BarGauge(second, 0.381)]
 
 
+@pytest.mark.usefixtures("all_draws")
 def test_a_measured_shot_has_the_flow_stress_of_copper_at_its_rate():
     """The flow stress of copper at 20 % and some 6e3/s is 400 to 500 MPa."""
     result = ri.reduce(*measured_gauges(), BAR, SPECIMEN, compression="positive")

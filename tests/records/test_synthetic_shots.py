@@ -155,6 +155,7 @@ def test_stress_and_strain_are_within_1_percent_from_1_percent_of_strain_on(
     assert result.reduction.doubts == ()
 
 
+@pytest.mark.usefixtures("all_draws")
 @pytest.mark.exhaustive
 @pytest.mark.parametrize("arrangement", ARRANGEMENTS)
 def test_with_noise_bands_cover_95_percent_and_errors_are_below_1_percent(arrangement):
@@ -190,6 +191,7 @@ def test_with_noise_bands_cover_95_percent_and_errors_are_below_1_percent(arrang
     assert np.all(covered_by_band >= 0.95)
 
 
+@pytest.mark.usefixtures("all_draws")
 def test_errors_of_a_sharp_impact_on_a_specimen_with_mass_are_steps_of_its_strain():
     """The truth is outside the assumption of equal forces, which no reduction can mend.
 
