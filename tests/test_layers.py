@@ -1,6 +1,7 @@
 """Imports go one way: down to the ground."""
 
 import ast
+import functools
 from pathlib import Path
 
 import rodimpact
@@ -37,20 +38,33 @@ LEVEL = {name: level for level, name in enumerate(LAYERS)}
 """Height of each of them above the ground."""
 
 
+@functools.cache
 def modules():
     """Pairs of the name of a module, below the package, and its path."""
+    pairs = []
     for path in sorted(ROOT.rglob("*.py")):
         parts = path.relative_to(ROOT).with_suffix("").parts
         if parts != ("__init__",):
-            yield ".".join(parts).removesuffix(".__init__"), path
+            pairs.append((".".join(parts).removesuffix(".__init__"), path))
+    return pairs
 
 
+def statements_of(node):
+    """All statements below a node; expressions are left out, they import nothing."""
+    for field in ("body", "orelse", "handlers", "finalbody"):
+        for statement in getattr(node, field, []):
+            yield statement
+            yield from statements_of(statement)
+
+
+@functools.cache
 def imports_of(name, path):
     """Names of the modules of the package that a module imports by relative imports."""
     package = ("rodimpact." + name).split(".")
     if path.name != "__init__.py":
         package = package[:-1]
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+    names = []
+    for node in statements_of(ast.parse(path.read_text(encoding="utf-8"))):
         if isinstance(node, ast.ImportFrom) and node.level:
             base = package[: len(package) - node.level + 1][1:]
             target = base + (node.module.split(".") if node.module else [])
@@ -63,7 +77,8 @@ def imports_of(name, path):
                 elif not is_module:  # a public name, which lies in some module
                     parts = rodimpact._HOME.get(alias.name, "").split(".")[1:]
                 if any(parts):
-                    yield ".".join(parts)
+                    names.append(".".join(parts))
+    return names
 
 
 def test_modules_import_no_higher_layer_and_no_method_but_their_own():

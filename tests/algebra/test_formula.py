@@ -170,7 +170,7 @@ def test_a_bond_has_an_average_impulse_which_has_a_formula():
     system = ri.System([first, second, third], contacts=contacts)
     rng = random.Random(2)
 
-    form = ri.closed_form(system)
+    form = ri.closed_form(system, ["length"])
 
     collision = ri.exact(system)
     momentum_lost = Fraction(15, 2) * (1 - collision.velocities_after[0])
@@ -223,7 +223,7 @@ def test_formulas_of_a_stepped_striker_agree_with_runs_on_fractions():
         "l2": "bodies.0.segments.1.length",
         "l3": "bodies.1.length",
     }
-    assert count_agreements(form, system, paths, random.Random(1), 4) > 0
+    assert count_agreements(form, system, paths, random.Random(1), 2) > 0
 
 
 # Random rows

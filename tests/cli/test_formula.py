@@ -24,8 +24,8 @@ def test_all_conditions_are_told_by_an_option_only(case, output_of):
     striker = with_area("1e-4") + "velocity = 1.0\n"
     case.write_text(HEAD + striker + struck + last)
 
-    short = output_of("formula", str(case))
-    full = output_of("formula", str(case), "--conditions")
+    short = output_of("formula", str(case), "--symbols", "length")
+    full = output_of("formula", str(case), "--symbols", "length", "--conditions")
 
     assert "more; --conditions shows all" in short
     assert "shows all" not in full

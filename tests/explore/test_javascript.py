@@ -256,11 +256,12 @@ def state_of(system, until):
 
 def tables_of_records(objects):
     """Objects, or rows of numbers, as JSON has them."""
+    if not objects or not dataclasses.is_dataclass(objects[0]):
+        return objects
+    names = [field.name for field in dataclasses.fields(objects[0])]
     tables = []
     for record in objects:
-        if not isinstance(record, list):
-            record = dataclasses.asdict(record)
-        tables.append(record)
+        tables.append({name: getattr(record, name) for name in names})
     return tables
 
 
@@ -368,7 +369,7 @@ def test_the_clock_of_the_page_sets_constants_that_there_are():
 
 @needs_node
 @pytest.mark.parametrize(
-    "seeds", few_of([range(25), range(100), range(100, 200)], [range(25)])
+    "seeds", few_of([range(8), range(8, 100), range(100, 200)], [range(8)])
 )
 def test_the_page_solves_rows_as_solve_does(seeds):
     """Velocities agree to 1e-11 of the closing speed, or to the rounding of the

@@ -1,5 +1,6 @@
 """Compliant contacts and rigid masses on the page: characteristics as JavaScript."""
 
+import functools
 import tomllib
 from itertools import pairwise
 
@@ -93,10 +94,9 @@ def tables_of(case):
     return {"solve": {}, **tomllib.loads(ri.format_case(case))}
 
 
-def solved_by_the_page(cases, gauges=()):
-    """Scenes that the page makes of cases, each with its outcome; None for a case that
-    it cannot solve.
-    """
+@functools.cache
+def script_of_the_page():
+    """The solver of the page, and the scenes that it makes of cases."""
     functions = (
         system_of,
         request_of,
@@ -106,19 +106,25 @@ def solved_by_the_page(cases, gauges=()):
         scene_of_solution,
     )
     text = javascript(functions, CONSTANTS, PROVIDED)
-    script = f"""{read("python.js")}\n{read("numbers.js")}\n{text}
+    return f"""{read("python.js")}\n{read("numbers.js")}\n{text}
     const answer = ({{ cases, gauges, library }}) => cases.map((tables) => {{
       if (lacking(tables)[0] || mistakes(tables, gauges, library).length) return null;
       const system = system_of(tables, library);
       const solution = solve_by_pieces(system, request_of(tables), 1e-8);
       return {{ ...scene_of_solution(system, gauges, solution), outcome: solution.outcome }};
     }});"""
+
+
+def solved_by_the_page(cases, gauges=()):
+    """Scenes that the page makes of cases, each with its outcome; None for a case that
+    it cannot solve.
+    """
     data = {
         "cases": [tables_of(case) for case in cases],
         "gauges": list(gauges),
         "library": LIBRARY,
     }
-    return run(script, data)
+    return run(script_of_the_page(), data)
 
 
 def solve(case):
@@ -128,14 +134,14 @@ def solve(case):
 
 
 @needs_node
-@pytest.mark.parametrize("block", few_of(range(6), {0}))
-def test_random_rows_on_the_page_are_those_of_solve_within_the_stated_errors(block):
-    cases = [random_row(seed) for seed in range(3 * block, 3 * block + 3)]
-    for case, scene in zip(cases, solved_by_the_page(cases), strict=True):
-        solution = solve(case)
-        check_velocities(scene["outcome"], solution)
-        check_contacts(scene["outcome"], solution)
-        check_energies(scene["outcome"], solution.outcome)
+@pytest.mark.parametrize("seed", few_of(range(18), {12, 17}))
+def test_random_rows_on_the_page_are_those_of_solve_within_the_stated_errors(seed):
+    case = random_row(seed)
+    (scene,) = solved_by_the_page([case])
+    solution = solve(case)
+    check_velocities(scene["outcome"], solution)
+    check_contacts(scene["outcome"], solution)
+    check_energies(scene["outcome"], solution.outcome)
 
 
 @pytest.mark.exhaustive

@@ -718,9 +718,10 @@ def rows_with_proofs(seeds):
             yield seed, solution
 
 
-def test_what_is_proved_final_has_no_further_contact_for_20_times_as_long():
+@pytest.mark.parametrize("seeds", few_of([range(12), range(36)], [range(12)]))
+def test_what_is_proved_final_has_no_further_contact_for_20_times_as_long(seeds):
     n_proved = 0
-    for seed, solution in rows_with_proofs(range(36)):
+    for seed, solution in rows_with_proofs(seeds):
         n_proved += 1
         end = 20 * solution.t_end
         longer = ri.solve(solution.system, end, METHOD, dt=1 / 32, snapshots=2)
@@ -731,7 +732,7 @@ def test_what_is_proved_final_has_no_further_contact_for_20_times_as_long():
             assert long_total.episodes == short_total.episodes, seed
             if not math.isnan(short_total.last):
                 assert long_total.last <= solution.t_proved + 1e-9, seed
-    assert n_proved >= 6
+    assert n_proved >= len(seeds) / 6
 
 
 # Odd input

@@ -263,9 +263,9 @@ def test_a_continued_blow_is_one_that_did_not_stop(law):
     soil = ri.Soil(400e3, QUAKE, damping=0.16, law=law)
     system = pile_in_soil(soil, ri.SmithToe(400e3, QUAKE, damping=0.5))
 
-    whole = ri.solve(system, until=0.05, cells=300)
-    first_part = ri.solve(system, until=0.02, cells=300)
-    second_part = ri.solve(whole.system_at(0.02), until=0.03, cells=300)
+    whole = ri.solve(system, until=0.05, cells=150)
+    first_part = ri.solve(system, until=0.02, cells=150)
+    second_part = ri.solve(whole.system_at(0.02), until=0.03, cells=150)
 
     set_of_first = first_part.contacts[1].permanent_set()
     set_of_second = second_part.contacts[1].permanent_set()

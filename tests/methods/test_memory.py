@@ -51,7 +51,7 @@ def solve_and_read(system, until):
 @pytest.mark.skipif(
     not kernels.enabled(), reason="plain Python takes long for so many steps"
 )
-@pytest.mark.parametrize("name", few_of(ROWS, {"pair", "row"}))
+@pytest.mark.parametrize("name", few_of(ROWS, {"pair"}))
 def test_the_memory_asked_for_bounds_what_is_taken_and_is_8_times_as_much_at_most(
     monkeypatch, name
 ):

@@ -287,10 +287,10 @@ def test_the_misfit_of_signals_is_a_parabola_of_the_length_of_a_striker(method, 
         return solution.gauge(1, 0.2).signal(1e-7).values
 
     measured = signal(0.128)
-    lengths = np.linspace(0.127, 0.1272, 25)
+    lengths = np.linspace(0.127, 0.1272, 13)
     signals = np.array([signal(length) for length in lengths])
     misfits = np.sqrt(np.mean((signals - measured) ** 2, axis=1))  # [length]
-    assert len({values.tobytes() for values in signals}) == 25  # all differ
+    assert len({values.tobytes() for values in signals}) == 13  # all differ
     changes = lengths - 0.1271  # from the middle one
     parabola = np.polyval(np.polyfit(changes, misfits, 2), changes)
     assert np.abs(misfits - parabola).max() < 0.01 * np.ptp(misfits)

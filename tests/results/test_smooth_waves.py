@@ -177,12 +177,12 @@ def test_velocity_and_strain_are_sums_of_waves(vibrating, field):
 @pytest.mark.parametrize("field", FIELDS)
 def test_places_and_times_broadcast_to_values_of_each_alone(vibrating, field):
     rng = np.random.default_rng(1)
-    x = np.sort(rng.uniform(0, 2, 40))
-    t = np.sort(rng.uniform(0, 5.5, 30))
+    x = np.sort(rng.uniform(0, 2, 12))
+    t = np.sort(rng.uniform(0, 5.5, 10))
     values_at = getattr(vibrating, field)
-    one_by_one = np.empty((40, 30))
-    for i in range(40):
-        for j in range(30):
+    one_by_one = np.empty((12, 10))
+    for i in range(12):
+        for j in range(10):
             one_by_one[i, j] = values_at(0, float(x[i]), float(t[j]))
     assert values_at(0, x[:, None], t) == pytest.approx(one_by_one, abs=1e-14)
 

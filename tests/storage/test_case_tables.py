@@ -116,8 +116,8 @@ def test_keys_are_told_in_one_line_without_control_characters():
     assert first_line.startswith(r"bodies.0.a\x1b[31m \u202e: unknown key")
 
 
-def test_keys_and_values_of_a_million_characters_are_told_shortly():
-    name = "y" * 10**6
+def test_keys_and_values_of_100000_characters_are_told_shortly():
+    name = "y" * 10**5
     long_key = HEAD + A_ROD + f'"{name}" = 1'
     assert len(str(error_of(long_key))) < 300
     for text in (
