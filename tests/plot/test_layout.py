@@ -16,6 +16,8 @@ from rodimpact.explorer.solved import scene_of
 from rodimpact.plot.layout import choose_layout
 from rodimpact.results.magnification import PICTURED_MOVEMENT
 
+pytestmark = pytest.mark.usefixtures("layout")
+
 
 def strained_rods():
     strained = rod(0.4, 1.0).replace(strain=1e-4)

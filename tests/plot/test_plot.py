@@ -677,6 +677,7 @@ def test_a_solution_without_duration_has_no_history(body):
 RENDERED = ["bonded", "bouncing", "single", "stepped", "at rest"]
 
 
+@pytest.mark.usefixtures("layout")
 @pytest.mark.parametrize("name", few_of(RENDERED, ["single"]))
 def test_overview_of_any_row_shows_velocity_stress_energy_and_force(solved, name):
     """A single rod has no contact force."""
@@ -697,11 +698,13 @@ def test_overview_of_any_row_shows_velocity_stress_energy_and_force(solved, name
     assert has_label("contact force", "force at contact") == (name != "single")
 
 
+@pytest.mark.usefixtures("layout")
 @pytest.mark.parametrize("name", few_of(RENDERED, ["bonded"]))
 def test_snapshots_of_any_row_render(solved, name):
     render(plot.snapshots(solved[name]).ax.figure)
 
 
+@pytest.mark.usefixtures("layout")
 @pytest.mark.parametrize(
     "draw", few_of([plot.spacetime, plot.overview], [plot.spacetime])
 )
@@ -735,6 +738,7 @@ def boxes_of_words(figure):
     return boxes
 
 
+@pytest.mark.usefixtures("layout")
 @pytest.mark.parametrize("width", few_of([85, 120, 170, 300], {85}))
 def test_words_of_a_page_of_any_width_stay_apart_and_inside(solved, width):
     with plot.look(width=width):
@@ -834,6 +838,7 @@ def test_gauges_move_in_snapshots(solved):
     assert line.get_xdata() == pytest.approx([0.65, last])
 
 
+@pytest.mark.usefixtures("layout")
 def test_a_vector_file_has_paths_and_text_under_a_title(solved, tmp_path):
     def draw():
         return plot.spacetime(solved["impedances"]).ax.figure

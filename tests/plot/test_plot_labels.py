@@ -16,6 +16,8 @@ from rodimpact import plot
 from rodimpact.plot.labels import spread_apart
 from rodimpact.plot.moments import moments
 
+pytestmark = pytest.mark.usefixtures("layout")
+
 CONCRETE = ri.Material("concrete", youngs_modulus=30e9, density=2400)
 POINTS_PER_INCH = 72
 PNG = b"\x89PNG\r\n\x1a\n"

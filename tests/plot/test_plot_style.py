@@ -17,6 +17,8 @@ from rodimpact import plot
 from rodimpact.plot.panels import figure_of
 from rodimpact.plot.style import LOOKS
 
+pytestmark = pytest.mark.usefixtures("layout")
+
 MM_PER_INCH = 25.4
 
 
