@@ -16,7 +16,7 @@ from rodimpact.methods import kernels
 from rodimpact.methods.registry import METHODS
 from rodimpact.running.warming import warm_method
 
-for profile, examples in (("few", 5), ("many", 300)):
+for profile, examples in (("few", 3), ("many", 300)):
     settings.register_profile(
         profile, max_examples=examples, derandomize=True, deadline=None, print_blob=True
     )

@@ -105,10 +105,12 @@ def test_good_arguments_are_answered_and_attributes_read():
 
 
 def test_one_bad_value_of_an_argument_is_answered_or_refused_in_a_sentence():
-    """One for each name but those of figures; all of them under `exhaustive`."""
+    """One for every third name but those of figures; all of them under
+    `exhaustive`.
+    """
     rng = np.random.default_rng(0)
     quick = [call for call in CALLS if not call.name.startswith(FIGURES)]
-    for call in quick:
+    for call in quick[::3]:
         check_spoilt(call, one_of(rng, call.parameters), one_of(rng, [*BAD_VALUES]))
 
 

@@ -16,7 +16,7 @@ from rodimpact.explorer.solved import scene_of
 from rodimpact.plot.layout import choose_layout
 from rodimpact.results.magnification import PICTURED_MOVEMENT
 
-pytestmark = pytest.mark.usefixtures("layout")
+pytestmark = pytest.mark.usefixtures("laid_out")
 
 
 def strained_rods():

@@ -209,12 +209,15 @@ def crowded():
     return ri.solve(ri.System([rod(0.4, 1.0), head]))
 
 
-def test_a_crowd_has_lines_at_its_strongest_fronts_alone(crowded):
-    picture = plot.spacetime(crowded, axes())
+@pytest.fixture(scope="module")
+def crowded_picture(crowded):
+    return plot.spacetime(crowded, axes())
 
-    ax = picture.ax
-    drawn = fronts(picture).get_segments()
-    regions = picture.regions.get_array().size
+
+def test_a_crowd_has_lines_at_its_strongest_fronts_alone(crowded_picture):
+    ax = crowded_picture.ax
+    drawn = fronts(crowded_picture).get_segments()
+    regions = crowded_picture.regions.get_array().size
     assert 10 < len(drawn) < regions / 3
 
     points_per_pixel = POINTS_PER_INCH / ax.figure.dpi
@@ -225,13 +228,11 @@ def test_a_crowd_has_lines_at_its_strongest_fronts_alone(crowded):
     assert length <= area / 12  # no nearer than 12 points, in the mean
 
 
-def test_the_strongest_front_of_a_crowd_has_a_line(crowded):
+def test_the_strongest_front_of_a_crowd_has_a_line(crowded_picture):
     """The first front into the struck rod is 0.5 m/s strong, most others are faint."""
-    picture = plot.spacetime(crowded, axes())
-
     impact = np.array([0.4, 0.0])  # m, us
     distances = []
-    for line in fronts(picture).get_segments():
+    for line in fronts(crowded_picture).get_segments():
         start, end = line[:2]
         distances.append(np.abs(start - impact).max())
         distances.append(np.abs(end - impact).max())
@@ -429,8 +430,8 @@ def test_the_axes_show_lengths_names_and_round_trips(solved):
 
 
 def test_round_trips_stand_at_the_axis_of_times(solved):
-    across = plot.spacetime(solved["unequal"], across=True)
-    later = plot.spacetime(solved["closing gap"])
+    across = plot.spacetime(solved["unequal"], axes(), across=True)
+    later = plot.spacetime(solved["closing gap"], axes())
 
     assert "2 ℓ₁/c" in major_ticks(across.ax.xaxis)
     for name in major_ticks(later.ax.yaxis):  # contact begins at a time of its own
@@ -466,7 +467,9 @@ def test_centres_of_mass_are_dashed_and_move_as_they_do(solved):
     solution = solved["stepped"]
     magnification = 100.0
 
-    picture = plot.spacetime(solution, coordinates="lab", magnification=magnification)
+    picture = plot.spacetime(
+        solution, axes(), coordinates="lab", magnification=magnification
+    )
 
     assert "centre of mass" in legend(picture)
     for body, line in enumerate(picture.centres):
@@ -484,7 +487,7 @@ def test_centres_of_mass_are_dashed_and_move_as_they_do(solved):
 
 
 def test_rods_that_keep_their_places_have_no_centres_of_mass(solved):
-    assert plot.spacetime(solved["stepped"]).centres == []
+    assert plot.spacetime(solved["stepped"], axes()).centres == []
 
 
 # Snapshots
@@ -677,7 +680,7 @@ def test_a_solution_without_duration_has_no_history(body):
 RENDERED = ["bonded", "bouncing", "single", "stepped", "at rest"]
 
 
-@pytest.mark.usefixtures("layout")
+@pytest.mark.usefixtures("laid_out")
 @pytest.mark.parametrize("name", few_of(RENDERED, ["single"]))
 def test_overview_of_any_row_shows_velocity_stress_energy_and_force(solved, name):
     """A single rod has no contact force."""
@@ -698,13 +701,13 @@ def test_overview_of_any_row_shows_velocity_stress_energy_and_force(solved, name
     assert has_label("contact force", "force at contact") == (name != "single")
 
 
-@pytest.mark.usefixtures("layout")
+@pytest.mark.usefixtures("laid_out")
 @pytest.mark.parametrize("name", few_of(RENDERED, ["bonded"]))
 def test_snapshots_of_any_row_render(solved, name):
     render(plot.snapshots(solved[name]).ax.figure)
 
 
-@pytest.mark.usefixtures("layout")
+@pytest.mark.usefixtures("laid_out")
 @pytest.mark.parametrize(
     "draw", few_of([plot.spacetime, plot.overview], [plot.spacetime])
 )
@@ -738,7 +741,7 @@ def boxes_of_words(figure):
     return boxes
 
 
-@pytest.mark.usefixtures("layout")
+@pytest.mark.usefixtures("laid_out")
 @pytest.mark.parametrize("width", few_of([85, 120, 170, 300], {85}))
 def test_words_of_a_page_of_any_width_stay_apart_and_inside(solved, width):
     with plot.look(width=width):
@@ -817,7 +820,7 @@ def test_gauges_are_marked_at_their_places(solved):
     solution = solved["unequal"]
     gauges = {"struck": solution.gauge(0, 0.1), "far": solution.gauge(1, 0.25)}
 
-    lines = plot.spacetime(solution, gauges=gauges).gauges
+    lines = plot.spacetime(solution, axes(), gauges=gauges).gauges
 
     places = [set(line.get_xdata().round(9)) for line in lines]
     assert places == [{0.1}, {0.65}]
@@ -838,7 +841,7 @@ def test_gauges_move_in_snapshots(solved):
     assert line.get_xdata() == pytest.approx([0.65, last])
 
 
-@pytest.mark.usefixtures("layout")
+@pytest.mark.usefixtures("laid_out")
 def test_a_vector_file_has_paths_and_text_under_a_title(solved, tmp_path):
     def draw():
         return plot.spacetime(solved["impedances"]).ax.figure
@@ -876,24 +879,27 @@ def test_the_suffix_names_the_format_and_files_are_the_same_every_time(
     assert files[0] == files[1]
 
 
+@pytest.fixture(scope="module")
+def small_figure():
+    """A figure that takes little time to draw."""
+    return plot.restitution([0.2, 0.4], [0.2, 0.4]).ax.figure
+
+
 @pytest.mark.parametrize("name", ["a.gif", "a"])
-def test_save_names_the_formats_of_a_figure(solved, tmp_path, name):
-    figure = plot.energy(solved["unequal"]).ax.figure
-
+def test_save_names_the_formats_of_a_figure(small_figure, tmp_path, name):
     with pytest.raises(ValueError, match=r"\.png, \.svg, \.pdf"):
-        plot.save(figure, tmp_path / name)
+        plot.save(small_figure, tmp_path / name)
 
 
-def test_save_replaces_a_file_only_by_force(solved, tmp_path):
-    figure = plot.energy(solved["unequal"]).ax.figure
+def test_save_replaces_a_file_only_by_force(small_figure, tmp_path):
     path = tmp_path / "picture.png"
     path.write_text("mine")
 
     with pytest.raises(FileExistsError):
-        plot.save(figure, path)
+        plot.save(small_figure, path)
     assert path.read_text() == "mine"
 
-    plot.save(figure, path, force=True)
+    plot.save(small_figure, path, force=True)
     assert path.read_bytes().startswith(b"\x89PNG")
 
 

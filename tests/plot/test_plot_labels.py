@@ -16,7 +16,7 @@ from rodimpact import plot
 from rodimpact.plot.labels import spread_apart
 from rodimpact.plot.moments import moments
 
-pytestmark = pytest.mark.usefixtures("layout")
+pytestmark = pytest.mark.usefixtures("laid_out")
 
 CONCRETE = ri.Material("concrete", youngs_modulus=30e9, density=2400)
 POINTS_PER_INCH = 72

@@ -354,6 +354,11 @@ def joined():
     return ri.solve(row, 0.4e-3)
 
 
+@pytest.fixture(scope="module")
+def joined_picture(joined):
+    return plot.spacetime(joined, axes(), coordinates="lab")
+
+
 def joint_patch(picture):
     (patch,) = [patch for patch in picture.ax.patches if patch.get_label() == "joint"]
     return patch
@@ -368,11 +373,9 @@ def test_the_gap_of_a_joint_is_its_stretch(joined):
     assert both.gap_ax.get_ylabel().startswith("gap,\nor stretch (")
 
 
-def test_a_joint_is_drawn_between_its_faces(joined):
-    picture = plot.spacetime(joined, coordinates="lab")
-
+def test_a_joint_is_drawn_between_its_faces(joined, joined_picture):
     # The outline goes along the left face in time, and back along the right one.
-    x, t = joint_patch(picture).get_xy().T
+    x, t = joint_patch(joined_picture).get_xy().T
     n = len(x) // 2
     left = x[:n]
     right = x[n : 2 * n][::-1]
@@ -386,11 +389,9 @@ def test_a_joint_is_drawn_between_its_faces(joined):
     assert width.min() > 0
 
 
-def test_a_joint_is_not_drawn_as_pressing(joined):
-    picture = plot.spacetime(joined, coordinates="lab")
-
-    x_of_joint = joint_patch(picture).get_xy()[:, 0]
-    pressing = np.concatenate(picture.pressing.get_segments())  # [point, (x, t)]
+def test_a_joint_is_not_drawn_as_pressing(joined_picture):
+    x_of_joint = joint_patch(joined_picture).get_xy()[:, 0]
+    pressing = np.concatenate(joined_picture.pressing.get_segments())  # [point, (x, t)]
     assert pressing[:, 0].max() < x_of_joint.min()
 
 
@@ -498,14 +499,14 @@ def driven_pile():
 
 @pytest.mark.parametrize("coordinates", few_of(["body", "lab"], ["lab"]))
 def test_a_mass_in_front_leaves_the_pile_at_its_place(driven_pile, coordinates):
-    picture = plot.spacetime(driven_pile, coordinates=coordinates)
+    picture = plot.spacetime(driven_pile, axes(), coordinates=coordinates)
 
     places_of_ends = [path[0, 0] for path in picture.ends.get_segments()]
     assert places_of_ends == pytest.approx([0.0, 18.0], abs=1e-9)
 
 
 def test_ticks_beside_a_mass_are_material_coordinates(driven_pile):
-    ax = plot.spacetime(driven_pile).ax
+    ax = plot.spacetime(driven_pile, axes()).ax
 
     assert ax.get_xticks().tolist() == pytest.approx([0.0, 18.0])
     assert texts_of(ax.get_xticklabels()) == ["0", "18"]

@@ -17,7 +17,7 @@ from rodimpact import plot
 from rodimpact.plot.panels import figure_of
 from rodimpact.plot.style import LOOKS
 
-pytestmark = pytest.mark.usefixtures("layout")
+pytestmark = pytest.mark.usefixtures("laid_out")
 
 MM_PER_INCH = 25.4
 

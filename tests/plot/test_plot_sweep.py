@@ -398,45 +398,45 @@ def test_what_is_no_list_of_what_varies_is_refused(varied):
         ri.plot.sweep(result, varied=varied)
 
 
-def test_a_map_has_a_cell_for_each_collision(swept):
-    picture = plot.sweep(swept["map"], axes())
+@pytest.fixture(scope="module")
+def map_picture(swept):
+    """The coefficient of restitution over lengths and areas."""
+    return plot.sweep(swept["map"], axes())
 
+
+def test_a_map_has_a_cell_for_each_collision(swept, map_picture):
     restitution = swept["map"].restitution  # [length, area]
-    corners = np.asarray(picture.cells.get_coordinates())  # [area, length, (x, y)]
+    corners = np.asarray(map_picture.cells.get_coordinates())  # [area, length, (x, y)]
     x = corners[0, :, 0]
     y = corners[:, 0, 1]
     # Both axes are logarithmic: borders are geometric means. Lengths have a ratio of
     # 2**(1/4), so that the outer borders lie half of that beyond them.
     middles = np.sqrt(LENGTHS[:-1] * LENGTHS[1:])
-    assert np.asarray(picture.cells.get_array()) == pytest.approx(restitution.T)
+    assert np.asarray(map_picture.cells.get_array()) == pytest.approx(restitution.T)
     assert x[1:-1] == pytest.approx(middles)
     assert x[0] == pytest.approx(0.25 / 2**0.125)
     assert x[-1] == pytest.approx(4 * 2**0.125)
     assert np.sqrt(y[:-1] * y[1:]) == pytest.approx(AREAS * 1e6)
-    assert limits(picture) == pytest.approx((x[0], x[-1], y[0], y[-1]))
-    assert picture.cells.get_rasterized()
+    assert limits(map_picture) == pytest.approx((x[0], x[-1], y[0], y[-1]))
+    assert map_picture.cells.get_rasterized()
 
 
-def test_a_map_has_labels_with_units(swept):
-    picture = plot.sweep(swept["map"], axes())
-
-    assert picture.ax.get_xscale() == "log"
-    assert picture.ax.get_yscale() == "log"
-    assert picture.ax.get_xlabel() == "length of rod 1 (m)"
-    assert picture.ax.get_ylabel() == "area of rod 2 (mm²)"
-    assert picture.colour_bar.ax.get_ylabel() == "coefficient of restitution e"
+def test_a_map_has_labels_with_units(map_picture):
+    assert map_picture.ax.get_xscale() == "log"
+    assert map_picture.ax.get_yscale() == "log"
+    assert map_picture.ax.get_xlabel() == "length of rod 1 (m)"
+    assert map_picture.ax.get_ylabel() == "area of rod 2 (mm²)"
+    assert map_picture.colour_bar.ax.get_ylabel() == "coefficient of restitution e"
 
 
-def test_lines_of_equal_times_and_impedances_cross_the_map(swept):
-    picture = plot.sweep(swept["map"], axes())
-
+def test_lines_of_equal_times_and_impedances_cross_the_map(map_picture):
     # Points [point, (m, mm^2)]
-    times, impedances = [lines.get_paths()[0].vertices for lines in picture.theory]
+    times, impedances = [lines.get_paths()[0].vertices for lines in map_picture.theory]
     assert times[:, 0] == pytest.approx(1.0)
     assert np.ptp(times[:, 1]) == pytest.approx(500 - 20)
     assert impedances[:, 1] == pytest.approx(100.0)
     assert np.ptp(impedances[:, 0]) == pytest.approx(4 - 0.25)
-    assert legend(picture) == ["equal transit times: e = 1", "equal impedances"]
+    assert legend(map_picture) == ["equal transit times: e = 1", "equal impedances"]
 
 
 @pytest.mark.parametrize("name", ["left wall", "heads"])
@@ -535,8 +535,8 @@ def test_colours_are_symmetric_where_signs_differ(swept):
     assert norm.vmin == -norm.vmax < 0
 
 
-def test_colours_begin_at_the_smallest_value_of_one_sign(swept):
-    norm = plot.sweep(swept["map"], axes()).cells.norm
+def test_colours_begin_at_the_smallest_value_of_one_sign(swept, map_picture):
+    norm = map_picture.cells.norm
 
     assert norm.vmin == swept["map"].restitution.min() > 0
 
