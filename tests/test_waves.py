@@ -114,7 +114,7 @@ def bar():
 
 @pytest.fixture(scope="module")
 def frequencies(bar):
-    return np.linspace(0.0, 2 * bar.cut_off, 301)
+    return np.linspace(0.0, 2 * bar.cut_off, 151)
 
 
 def test_wave_numbers_and_phase_velocities_of_a_bar_are_those_of_the_first_mode(

@@ -9,6 +9,7 @@ import pytest
 
 import rodimpact as ri
 from rodimpact.cli import main
+from rodimpact.records import shot
 
 BARS = (
     """
@@ -48,6 +49,12 @@ def folder(tmp_path, monkeypatch):
     """The present directory, with a file of the bars."""
     (tmp_path / "bars.toml").write_text(BARS)
     monkeypatch.chdir(tmp_path)
+
+
+@pytest.fixture(autouse=True)
+def few_draws(monkeypatch):
+    """No test reads error bands: they may take few draws of the noise."""
+    monkeypatch.setattr(shot, "NOISE_DRAWS", 4)
 
 
 def reduce(*options):

@@ -281,7 +281,7 @@ def test_only_two_uniform_rods_have_a_ratio_of_lengths():
     assert scene_with_wall["ratio"] is None
 
 
-@pytest.mark.parametrize(("tolerance", "is_stated"), [(1e-3, True), (1e-9, False)])
+@pytest.mark.parametrize(("tolerance", "is_stated"), [(1e-3, True), (1e-7, False)])
 def test_errors_above_half_of_the_last_digit_stand_beside_their_numbers(
     tolerance, is_stated
 ):

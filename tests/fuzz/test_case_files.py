@@ -22,7 +22,7 @@ import rodimpact as ri
 from rodimpact.cli import main
 from rodimpact.cli.exit_status import DONE, FAULT, INCOMPLETE, MISTAKE
 
-EXAMPLES = 60 * TIMES  # of each seed
+EXAMPLES = 30 * TIMES  # of each seed
 RESIDUAL_RTOL = 1e-6
 # A case may ask for hours of work, and would get them.
 SHORT = ["--json", "--max-events", "3000", "--until", "0.2 ms"]

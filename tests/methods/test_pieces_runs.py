@@ -115,7 +115,7 @@ def test_plain_python_runs_the_same_bits():
 # --------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("seed", few_of(range(30), range(6)))
+@pytest.mark.parametrize("seed", few_of(range(30), range(2)))
 def test_random_rows_are_near_those_of_finite_differences_and_keep_their_energy(seed):
     """Two methods that share the row and nothing else, on all bodies, laws and ends."""
     system = random_network(seed, bodies=4, driven=seed % 2 == 1)

@@ -353,7 +353,7 @@ def peak_of(call):
 @pytest.mark.parametrize(
     ("digits", "wrong_end"),
     [
-        (2, ""),
+        pytest.param(2, "", marks=pytest.mark.exhaustive),
         (2, "1x"),
         pytest.param(4, "1,2,3,4", marks=pytest.mark.exhaustive),
         pytest.param(8, "", marks=pytest.mark.exhaustive),

@@ -122,8 +122,18 @@ def test_derivatives_have_units():
     ("law", "number", "unit"),
     [
         (ri.Hertz(1e9), "stiffness", "m^1.5/N"),
-        (ri.HuntCrossley(1e9, damping=0.3), "damping", "m/s"),
-        (ri.PowerLaw(1e9, 1.7), "stiffness", "1/(N/m^p)"),
+        pytest.param(
+            ri.HuntCrossley(1e9, damping=0.3),
+            "damping",
+            "m/s",
+            marks=pytest.mark.exhaustive,
+        ),
+        pytest.param(
+            ri.PowerLaw(1e9, 1.7),
+            "stiffness",
+            "1/(N/m^p)",
+            marks=pytest.mark.exhaustive,
+        ),
     ],
 )
 def test_derivatives_of_e_have_short_units(law, number, unit):
@@ -471,7 +481,7 @@ COMPLIANT_NUMBERS = {
 """Paths of rods of unit wave speed and density, by the fields of `Row`."""
 
 
-@pytest.mark.parametrize("seed", few_of(range(20), range(2)))
+@pytest.mark.parametrize("seed", few_of(range(20), [0]))
 def test_stated_errors_of_compliant_rows_bound_the_difference_from_another_solver(seed):
     name = list(COMPLIANT_NUMBERS)[seed % len(COMPLIANT_NUMBERS)]
     varied = COMPLIANT_NUMBERS[name]
@@ -507,9 +517,7 @@ def mass_on_an_endless_bar(M, k, Z, V):
     return np.array([-rebound, M * (V + rebound), peak, np.pi / w])
 
 
-@pytest.mark.parametrize(
-    "quantity", few_of(QUANTITIES, ["velocity_after.0", "peak_force.0"])
-)
+@pytest.mark.parametrize("quantity", few_of(QUANTITIES, ["peak_force.0"]))
 def test_stated_errors_of_a_mass_on_a_spring_at_an_endless_bar_hold(quantity):
     """Complex steps give exact derivatives of the formulas."""
     index = QUANTITIES.index(quantity)

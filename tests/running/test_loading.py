@@ -201,7 +201,7 @@ def facts(solution):
     return all_facts
 
 
-FEW_SEEDS = (" 0", " 1", " 7", " 8")
+FEW_SEEDS = (" 1", " 7")
 USUAL = [name for name in RUNS if "random" not in name or name.endswith(FEW_SEEDS)]
 
 
@@ -334,11 +334,16 @@ def write_with(path, result):
     path.write_text(text, encoding="utf-8")
 
 
-def test_every_falsified_entry_is_named_with_both_values(tmp_path):
+FOURTHS = slice(None, None, 4)
+"""Every fourth entry."""
+
+
+@pytest.mark.parametrize("part", few_of([FOURTHS, slice(None)], [FOURTHS]))
+def test_every_falsified_entry_is_named_with_both_values(tmp_path, part):
     path = tmp_path / "run.toml"
     result = saved_case().result
     names = ["stopped_by", "final", "method", *result.numbers]
-    for name in names:
+    for name in names[part]:
         write_with(path, changed(result, name))
         with pytest.warns(ri.OutcomeDiffers, match=r"run\.toml: ") as warned:
             ri.load(path)
