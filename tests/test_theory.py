@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
+from exhaustive import few_of
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
@@ -71,12 +72,15 @@ def mean_and_vibration(signal: list[Fraction], Z: int) -> tuple[Fraction, Fracti
 
 
 WHOLE_NUMBERS = list(product([1, 2, 7], [1, 2, 5], [1, 2, 3], [1, 3, 5]))
-by_whole_numbers = pytest.mark.parametrize(("Z1", "T1", "Z2", "T2"), WHOLE_NUMBERS)
+by_whole_numbers = pytest.mark.parametrize(
+    "numbers", few_of(WHOLE_NUMBERS, WHOLE_NUMBERS[::4])
+)
 """Impedances and transit times whose waves can be followed tick by tick."""
 
 
 @by_whole_numbers
-def test_the_closed_form_of_two_rods_agrees_with_waves(Z1, T1, Z2, T2):
+def test_the_closed_form_of_two_rods_agrees_with_waves(numbers):
+    Z1, T1, Z2, T2 = numbers
     waves = follow_waves(Z1, T1, Z2, T2)
     impulse = float(sum(waves.force))
     peak_force = float(max(waves.force))
@@ -99,9 +103,8 @@ def test_the_closed_form_of_two_rods_agrees_with_waves(Z1, T1, Z2, T2):
 
 
 @by_whole_numbers
-def test_the_force_of_two_rods_agrees_with_waves_also_just_before_a_jump(
-    Z1, T1, Z2, T2
-):
+def test_the_force_of_two_rods_agrees_with_waves_also_just_before_a_jump(numbers):
+    Z1, T1, Z2, T2 = numbers
     waves = follow_waves(Z1, T1, Z2, T2)
     expected = [float(F) for F in waves.force]
     ticks = np.arange(len(expected), dtype=float)

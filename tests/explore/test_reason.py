@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
+from exhaustive import few_of
 from explore.scenes import shown
 from steel import STEEL, rod
 
@@ -134,7 +135,7 @@ def test_e_of_other_rods_is_not_told_as_a_ratio(name):
     assert "/T" not in result  # T1/T2
 
 
-@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("seed", few_of(range(8), range(3)))
 def test_numbers_of_the_reason_are_those_of_the_solution(seed):
     rng = np.random.default_rng(seed)
     striker = rod(rng.uniform(0.1, 1.0), rng.uniform(0.5, 2.0), rng.uniform(1e-4, 2e-4))

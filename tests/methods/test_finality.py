@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
+from exhaustive import few_of
 from hypothesis import given
 from hypothesis import strategies as st
 from runs import group_of, records_of, solution_of, tracked
@@ -365,7 +366,7 @@ RIGID_OPENING = 2.0
 """When rigid rods part, s; from 0.8 s on, where their force ends, they only touch."""
 
 
-@pytest.mark.parametrize("until", [None, 3.0, 12.0, 40.0])
+@pytest.mark.parametrize("until", few_of([None, 3.0, 12.0, 40.0], [None, 12.0]))
 @pytest.mark.parametrize(
     ("law", "method", "options", "error"),
     [

@@ -132,7 +132,7 @@ def touching_rods(*contacts):
 
 
 @pytest.mark.parametrize("stiffness", few_of([0.05, 0.6, 5.0, 30.0], {0.6, 30.0}))
-@pytest.mark.parametrize("exponent", [1.5, 2.0, 3.0, 4.0])
+@pytest.mark.parametrize("exponent", few_of([1.5, 2.0, 3.0, 4.0], [1.5, 4.0]))
 @pytest.mark.parametrize("first", ["rigid", "alike"])
 def test_no_force_acts_before_a_wave_can_arrive(first, exponent, stiffness):
     law = ri.PowerLaw(stiffness, exponent)
@@ -184,7 +184,7 @@ def test_a_contact_that_presses_for_a_moment_is_not_missed():
 # --------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("row", rows(20, 3))
+@pytest.mark.parametrize("row", rows(20, 1))
 def test_no_contact_pulls_and_impulses_are_those_of_forces_and_of_momenta(row):
     system, until = random_compliant_row(*row)
     solution = ri.solve(system, until, "characteristics")

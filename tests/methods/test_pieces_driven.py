@@ -87,7 +87,7 @@ PROFILES = {
 }
 CASES = list(product(PROFILES, [ri.Moved, ri.Pushed, ri.Incoming], [ri.Free, ri.Fixed]))
 CASES += product(PROFILES, [ri.Moved, ri.Pushed], [ri.Absorbing])
-USUAL = [case for case in CASES if case[0] in ("steps", "even") or case[2] is ri.Fixed]
+USUAL = [case for case in CASES if case[0] == "steps" or case[2] is ri.Absorbing]
 
 
 @pytest.mark.parametrize("case", few_of(CASES, USUAL))

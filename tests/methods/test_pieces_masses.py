@@ -210,7 +210,7 @@ def test_masses_on_joints_swing_as_an_oscillator(end, push):
 
 
 @pytest.mark.parametrize("law", [ri.Hertz(431.0), ri.Spring(431.0), ri.Rigid(0.5)])
-@pytest.mark.parametrize("gap", [0.0, 1e-4, 1e150])
+@pytest.mark.parametrize("gap", few_of([0.0, 1e-4, 1e150], [1e-4]))
 @pytest.mark.parametrize("other", [ri.Wall(), ri.RigidMass(2.0)])
 def test_masses_at_rest_stay_at_rest_at_any_gap(law, gap, other):
     system = ri.System([ri.RigidMass(1.0), other], gaps=[gap], contacts=[law])

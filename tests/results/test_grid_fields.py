@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from exhaustive import few_of
 from networks import UNIT, unit_rod
 
 import rodimpact as ri
@@ -111,7 +112,7 @@ def test_a_linear_strain_lengthens_by_its_mean(linear):
     assert float(lengthening) == pytest.approx(mean_strain * (1.9 - 0.1), abs=1e-14)
 
 
-@pytest.mark.parametrize("share", [0.02, 0.3, 0.48, 0.7])
+@pytest.mark.parametrize("share", few_of([0.02, 0.3, 0.48, 0.7], [0.3]))
 @pytest.mark.parametrize(
     ("field", "sign"),
     [("velocity", -1), ("displacement", -1), ("stress", 1), ("strain", 1)],

@@ -7,6 +7,7 @@ import re
 
 import numpy as np
 import pytest
+from exhaustive import few_of
 from runs import tracked
 
 import rodimpact as ri
@@ -149,7 +150,7 @@ def held(rod, left, right):
     return ri.System(bodies, contacts=bonds, ends=(left_end, right_end))
 
 
-@pytest.mark.parametrize("mirrored", [False, True])
+@pytest.mark.parametrize("mirrored", few_of([False, True], [True]))
 @pytest.mark.parametrize(
     ("left", "right", "direction"), [(1.0, 0.0, 1), (1.0, None, 1), (None, -1.0, -1)]
 )

@@ -428,12 +428,19 @@ TIMES = np.linspace(0.0, 4e-4, 41)
     ("system", "options", "gauges"),
     [
         pytest.param(small_map((3, 2)), {"until": 3e-4}, PLACES, id="four gauges"),
-        pytest.param(small_map((3, 2)), {}, [(1, 0.7)], id="to the end"),
+        pytest.param(
+            small_map((3, 2)),
+            {},
+            [(1, 0.7)],
+            id="to the end",
+            marks=pytest.mark.exhaustive,
+        ),
         pytest.param(
             stepped_rod_on_a_wall(),
             {"until": 4e-4},
             [(1, 0.1), (1, 0.25)],
             id="stepped rod",
+            marks=pytest.mark.exhaustive,
         ),
         pytest.param(
             mass_rod_and_wall(), {"until": 3e-4}, [(1, 0.2)], id="characteristics"
