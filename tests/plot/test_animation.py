@@ -338,6 +338,7 @@ def saved_gif(film, tmp_path_factory):
     return path
 
 
+@pytest.mark.exhaustive
 def test_a_gif_is_the_same_every_time(film, saved_gif, tmp_path):
     plot.save(film, tmp_path / "b.GIF")
 

@@ -227,7 +227,7 @@ def assert_on_its_side(upright, across):
         assert b[:, ::-1] == pytest.approx(a)
 
 
-@some_rows
+@pytest.mark.parametrize("name", few_of(SYSTEMS, {"drifting"}))
 def test_time_across_is_the_same_picture_on_its_side(solved, name):
     upright = plot.spacetime(solved[name], axes(), "stress", across=False)
     across = plot.spacetime(solved[name], axes(), "stress", across=True)

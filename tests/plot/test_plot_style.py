@@ -135,7 +135,7 @@ def test_a_look_is_that_of_one_thread():
     assert colours == [LOOKS["light"]]
 
 
-SIZED = {"spacetime", "energy"}
+SIZED = {"spacetime"}
 
 
 @pytest.mark.parametrize("name", few_of(PICTURES, SIZED))

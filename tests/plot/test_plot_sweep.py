@@ -568,7 +568,8 @@ def drawable(result):
     return quantities
 
 
-@pytest.mark.parametrize("name", few_of(SYSTEMS, {"heads"}))
+@pytest.mark.exhaustive
+@pytest.mark.parametrize("name", SYSTEMS)
 def test_every_family_renders(swept, name):
     first, *_ = drawable(swept[name])
 
