@@ -195,8 +195,8 @@ def _one_by_one(chunk: Chunk, should_stop: Callable[[], bool]) -> Columns:
 
     for i, index in enumerate(np.ndindex(system.shape)):
         raise_if_stopped()
-        # After InvalidModel the member stays refused, as its columns begin. Tiny
-        # numbers may become 0, even where the caller of NumPy made that an error.
+        # After InvalidModel the member stays refused, as its columns begin. A number
+        # too small for a float becomes 0, even if NumPy was told to raise for that.
         with contextlib.suppress(InvalidModel), np.errstate(under="ignore"):
             run = options._run_checked(options.method, system[index], raise_if_stopped)
             solution = Solution(run, options)

@@ -271,7 +271,7 @@ def _why_no_restitution(result: SweepResult, varied: Varied) -> str:
     for contact in result.contacts:
         episodes = episodes + contact.episodes
     never_met = episodes == 0
-    # A number for each pair of a status and whether the bodies have met
+    # A number for each pair of a status and whether the bodies have never met
     kinds = np.asarray(2 * result.columns["status"] + never_met)
     sentences = []
     for kind in np.unique(kinds[missing]):

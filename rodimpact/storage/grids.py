@@ -118,7 +118,7 @@ class Tie:
         """
         self._dimension = dimension
         parts = self._parts
-        values = self.source.amounts().values
+        values = self.source.amounts().values  # anew: the source may be read later
         if parts.factor:
             values = values * units.read_amount(parts.factor).value
         if parts.operator == "*":
