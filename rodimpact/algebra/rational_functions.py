@@ -11,7 +11,6 @@ from fractions import Fraction
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.optimize import nnls
 
 from ..progress import Progress, ProgressFunction, ProgressReport
 from ..storage.extras import optional
@@ -320,6 +319,8 @@ def _follows(p: Any, forms: list[Any]) -> bool:
     is 0 or a positive combination of 1 and of the names of positive numbers.
     Non-negative least squares propose the shares; the remainder is tested in fractions.
     """
+    from scipy.optimize import nnls
+
     ring = p.ring
     monomials = (1, *ring.gens)
     coefficients = np.zeros((1 + len(forms), len(monomials)))  # the first row is p
