@@ -17,7 +17,7 @@ from fuzz.generators import SEEDS, TIMES, check_sentence, one_of, patience
 
 import rodimpact as ri
 
-EXAMPLES = 150 * TIMES  # of each seed
+EXAMPLES = 60 * TIMES  # of each seed
 MOST_SPOILT = 3  # arguments at a time
 CALLS = [*good_calls.functions(), *good_calls.methods()]
 NAMES = sorted({call.name for call in CALLS})

@@ -101,13 +101,11 @@ def test_two_runs_that_miss_a_peak_alike_do_not_hide_its_error(seed, rtol):
     assert error <= stated
 
 
-@pytest.mark.parametrize("seeds", few_of([range(2), range(4)], [range(2)]))
-def test_half_of_the_stated_errors_of_velocities_are_below_100_times_the_true_ones(
-    seeds,
-):
+@pytest.mark.exhaustive
+def test_half_of_the_stated_errors_of_velocities_are_below_100_times_the_true_ones():
     ratios = []
     for kind in KINDS:
-        for seed in seeds:
+        for seed in range(4):
             system, until, by_steps = solved_by_steps(kind, seed)
             solution = ri.solve(system, until, "characteristics")
             error = errors_of(solution, by_steps)["velocity"]

@@ -227,18 +227,19 @@ def test_derivatives_of_families_are_those_of_members_compiled_and_in_plain_pyth
     struck_lengths,
 ):
     family = pair(0.4, np.array(struck_lengths))
+    paths = ["bodies.1.length", "bodies.1.area"]
 
     with kernels.forced(compiling=False):
-        plain = ri.gradient(family, wrt=BY)
+        plain = ri.gradient(family, wrt=paths)
     with kernels.forced(compiling=True):
-        compiled = ri.gradient(family, wrt=BY)
+        compiled = ri.gradient(family, wrt=paths)
 
-    assert np.asarray(plain).shape == (len(struck_lengths), 4)
+    assert np.asarray(plain).shape == (len(struck_lengths), 2)
     assert np.array_equal(plain, compiled, equal_nan=True)
     assert f"{len(struck_lengths)} members" in str(plain)
     for index in range(len(struck_lengths)):
-        alone = ri.gradient(family[index], wrt=BY)
-        for path in BY:
+        alone = ri.gradient(family[index], wrt=paths)
+        for path in paths:
             sides = [side[index] for side in plain.one_sided[path]]
             assert np.array_equal(sides, alone.one_sided[path])
             has_kink = np.isfinite(plain.kinks[path].below[index])
