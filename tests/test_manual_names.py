@@ -71,12 +71,20 @@ def is_set_by_constructor(public, name):
     return re.search(entry, docstring, re.M) is not None
 
 
+def mentions(find):
+    """Pairs of a page and what a function finds in its text."""
+    pairs = []
+    for page in PAGES:
+        for mention in sorted(set(find(page.read_text("utf-8")))):
+            pairs.append((page.stem, mention))
+    return pairs
+
+
 def each_page(find):
     """Cases for `parametrize`: what a function finds in the text of each page."""
     cases = []
-    for page in PAGES:
-        for mention in sorted(set(find(page.read_text("utf-8")))):
-            cases.append(pytest.param(mention, id=f"{page.stem}: {mention}"[:80]))
+    for page, mention in mentions(find):
+        cases.append(pytest.param(mention, id=f"{page}: {mention}"[:80]))
     return cases
 
 
@@ -93,9 +101,12 @@ def names_of_package(text):
     return names
 
 
-@pytest.mark.parametrize("path", each_page(names_of_package))
-def test_names_of_the_package_exist(path):
-    assert attribute_exists(path)
+def test_names_of_the_package_exist():
+    missing = []
+    for page, path in mentions(names_of_package):
+        if not attribute_exists(path):
+            missing.append((page, path))
+    assert missing == []
 
 
 def attributes_of_objects(text):
@@ -128,11 +139,19 @@ def files(text):
     return names
 
 
-@pytest.mark.parametrize("name", each_page(files))
-def test_files_exist(name):
-    if name in EXAMPLES:
-        return
-    assert any((ROOT / folder / name).exists() for folder in FOLDERS)
+def is_a_file(name):
+    """Whether a page may name a file: it exists, or is that of an example."""
+    return name in EXAMPLES or any(
+        (ROOT / folder / name).exists() for folder in FOLDERS
+    )
+
+
+def test_files_exist():
+    missing = []
+    for page, name in mentions(files):
+        if not is_a_file(name):
+            missing.append((page, name))
+    assert missing == []
 
 
 def commands(text):
