@@ -155,8 +155,11 @@ def test_rods_never_overlap_and_gaps_are_drawn_to_the_same_scale(solved, name):
         assert left_end - right_end == pytest.approx(gap, abs=1e-9)
 
 
+FIELDS = ["velocity", "stress", "strain"]
+
+
 @pytest.mark.parametrize("name", few_of(SYSTEMS, {"drifting"}))
-@pytest.mark.parametrize("field", ["velocity", "stress", "strain"])
+@pytest.mark.parametrize("field", few_of(FIELDS, ["velocity"]))
 def test_colour_limits_are_symmetric_about_rest_and_hold_all_values(
     solved, name, field
 ):
