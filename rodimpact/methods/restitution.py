@@ -40,7 +40,8 @@ def no_restitution(
         Velocities of the bodies, m/s.
     contacts : list of ContactTally
     driven : bool
-        Whether velocities change besides at contacts, by gravity or a driven end.
+        Whether velocities change besides at contacts: by gravity, a driven end, soil
+        or drag.
     final : bool
         Whether the collision is over.
     status : str
@@ -58,8 +59,8 @@ def no_restitution(
     reason = ""
     if driven:
         reason = (
-            "gravity or a driven end changes the velocities too; read impulse and "
-            "velocities instead"
+            "gravity, a driven end, soil or drag changes the velocities too; read "
+            "impulse and velocities instead"
         )
     elif contacts[k].episodes == 0:
         if closing < 0:

@@ -660,7 +660,7 @@ def test_fronts_take_no_tolerance():
         pytest.param(
             [unit_rod(velocity=1.0), ri.Wall()],
             {"gravity": 0.1},
-            "gravity or a driven end",
+            "gravity, a driven end, soil or drag",
             id="gravity",
         ),
         pytest.param(
