@@ -56,7 +56,7 @@ def _missing(name: str) -> AttributeError:
     from importlib.util import find_spec  # takes longer than all of this module
 
     # Python asks for names with an underscore, and for modules before it imports them.
-    if name[0] == "_" or find_spec(f".{name}", __name__) is not None:
+    if name.startswith("_") or find_spec(f".{name}", __name__) is not None:
         return AttributeError(f"module {__name__!r} has no attribute {name!r}")
     from .hints import missing_name
 

@@ -2,9 +2,9 @@
 
 `nearest` compares a wrong word with the names that exist. `explain_missing` lets the
 objects of a class answer a wrong attribute with such a hint, `explain_arguments` a
-function a wrong argument, `NamedItems` a dictionary a wrong key, `Parts` a tuple an
-attribute that its items have, and `missing_name` makes the error of a wrong name in a
-module.
+function a wrong argument, `NamedItems` a dictionary a wrong key, `TupleOfParts` a tuple
+an attribute that its items have, and `missing_name` makes the error of a wrong name in
+a module.
 """
 
 import difflib
@@ -282,7 +282,7 @@ def explain_methods(kind: type) -> None:
         if is_class_method:
             function = method.__func__
         is_explained = hasattr(function, EXPLAINED)
-        if name[0] == "_" or is_explained or not inspect.isfunction(function):
+        if name.startswith("_") or is_explained or not inspect.isfunction(function):
             continue
         explained: Any = explain_arguments(function)
         if is_class_method:
@@ -307,7 +307,7 @@ class MissingAttribute(AttributeError):
         """
         owner, name = self.args
         message = f"{type(owner).__name__!r} object has no attribute {name!r}"
-        if name[0] == "_":  # Python itself asks for such names
+        if name.startswith("_"):  # Python itself asks for such names
             return message
         return f"{message}; {_attribute_hint(owner, name)}"
 
@@ -344,7 +344,7 @@ def _public_names(owner: Any) -> list[str]:
     """Public attributes of an object, without those that every tuple has."""
     names = []
     for name in dir(owner):
-        if name[0] != "_" and not hasattr(tuple, name):
+        if not name.startswith("_") and not hasattr(tuple, name):
             names.append(name)
     return names
 
@@ -378,14 +378,14 @@ def _parts(owner: Any, level: int = 1) -> Iterator[tuple[str, Any]]:
                 yield f"{path}.{end}", below
 
 
-class Parts(tuple[T, ...]):
+class TupleOfParts(tuple[T, ...]):
     """A tuple of parts, such as bodies, that answers an attribute which its parts have.
 
     Examples
     --------
     >>> from rodimpact import RigidMass
     >>> try:
-    ...     Parts([RigidMass(2.0)]).mass
+    ...     TupleOfParts([RigidMass(2.0)]).mass
     ... except AttributeError as error:
     ...     print(error)
     'tuple' object has no attribute 'mass'; ask one of its items, such as [0].mass
@@ -401,7 +401,7 @@ class Parts(tuple[T, ...]):
         message = f"'tuple' object has no attribute {name!r}"
         for i in range(len(self)):
             # Python itself asks for names with an underscore.
-            if name[0] != "_" and name in dir(self[i]):
+            if not name.startswith("_") and name in dir(self[i]):
                 message += f"; ask one of its items, such as [{i}].{name}"
                 break
         raise AttributeError(message, name=name)
@@ -443,7 +443,7 @@ def missing_name(
         Names in modules below it.
     """
     message = f"module {module!r} has no attribute {name!r}"
-    if name[0] != "_":  # Python itself asks for names with an underscore
+    if not name.startswith("_"):  # Python itself asks for names with an underscore
         message = f"{message}; {_name_hint(module, name, names, modules)}"
     return AttributeError(message, name=name)
 

@@ -25,7 +25,7 @@ if not TYPE_CHECKING:  # a type checker must not take every name for granted
     def __getattr__(name: str) -> object:
         """Raise AttributeError that names the public functions."""
         message = f"module {__name__!r} has no attribute {name!r}"
-        if name[0] != "_":  # Python itself asks for names with an underscore
+        if not name.startswith("_"):  # Python itself asks for names with an underscore
             message += f"; use one of {', '.join(__all__)}"
         raise AttributeError(message, name=name)
 
@@ -398,7 +398,7 @@ def conversion(unit: str) -> Conversion | None:
     if not isinstance(unit, str):
         raise ValueError(f"unit: must be a text such as 'mm', got {shown(unit)}")
     spelt = _spelt(unit)
-    if not spelt:
+    if not spelt:  # "" or "1"
         return Conversion("", Fraction(1))
     dimension = DIMENSION_OF_UNIT.get(spelt)
     if dimension is None:

@@ -31,7 +31,7 @@ from .frozen import (
 )
 from .lateral_inertia import MINDLIN_HERRMANN, RAYLEIGH_LOVE, THEORIES
 from .profiles import Floats, Profile, ProfileLike, Samples, Steps
-from .shaft import Shaft, along_rod
+from .shaft import Shaft, shaft_along_rod
 
 LEFT_OUT: Any = None
 """Default of an argument that the check of its class replaces, or demands."""
@@ -318,7 +318,8 @@ class Segment(FrozenDataclass):
         if self.diameter is not None:
             if area is not None:
                 problems.append(("diameter", "give either area or diameter, not both"))
-            area = 1.0  # stands for the area of a faulty diameter
+            # After a mistake, 1 stands for the area: it is checked below all the same.
+            area = 1.0
             if not problems:
                 area = math.pi * self.diameter * self.diameter / 4
         if area is None:
@@ -335,7 +336,7 @@ class Segment(FrozenDataclass):
             if not problems:
                 length = self.length
             field = self.fields["area"]
-            area = profiles.along_rod(problems, "area", area, field, length)
+            area = profiles.checked_along_rod(problems, "area", area, field, length)
         return area
 
     def _check_magnitudes(self, area: Number) -> None:
@@ -712,8 +713,12 @@ class Rod(Frozen, kind="rod"):
             total = sum(segment.length for segment in pieces)
         velocity_field = self.fields["velocity"]
         strain_field = self.fields["strain"]
-        v = profiles.along_rod(problems, "velocity", velocity, velocity_field, total)
-        epsilon = profiles.along_rod(problems, "strain", strain, strain_field, total)
+        v = profiles.checked_along_rod(
+            problems, "velocity", velocity, velocity_field, total
+        )
+        epsilon = profiles.checked_along_rod(
+            problems, "strain", strain, strain_field, total
+        )
         checked_shaft = _checked_shaft(problems, shaft, total)
         frozen.raise_if_problems(problems)
         self._set(segments=pieces, velocity=v, strain=epsilon, shaft=checked_shaft)
@@ -802,7 +807,7 @@ def _checked_shaft(
         frozen.add_problem(problems, "shaft", message, shaft)
         return None
     try:
-        return along_rod(shaft, length)
+        return shaft_along_rod(shaft, length)
     except frozen.InvalidModel as error:
         for path, message in error.problems:
             problems.append((f"shaft.{path}", message))
@@ -817,10 +822,10 @@ def _segments(segments: Any, shape: dict[str, Any]) -> tuple[Segment, ...]:
     if both or neither are given, or with the mistakes in them.
     """
     if segments is not None:
-        return _checked_segments(segments, shape)
+        return _checked_segments(segments, shape)  # refuses a shape beside them
     if isinstance(shape["area"], Steps):
         return _segments_between_jumps(shape)
-    return (Segment(**shape),)
+    return (Segment(**shape),)  # refuses a missing length or area
 
 
 def _checked_segments(segments: Any, shape: dict[str, Any]) -> tuple[Segment, ...]:
@@ -860,7 +865,9 @@ def _segments_between_jumps(shape: dict[str, Any]) -> tuple[Segment, ...]:
     if not problems:
         known_length = L
     # The steps themselves stay as they are: this only checks them.
-    profiles.along_rod(problems, "area", area, Segment.fields["area"], known_length)
+    profiles.checked_along_rod(
+        problems, "area", area, Segment.fields["area"], known_length
+    )
     frozen.raise_if_problems(problems)
     edges = (0.0, *area.at, L)  # of the segments, m from the left end
     pieces: list[Segment] = []

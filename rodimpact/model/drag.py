@@ -73,7 +73,7 @@ class Drag(FrozenDataclass, kind="drag"):
             self._set(coefficient=checked)
 
 
-def along_rod(drag: Drag, length: Number | None) -> Drag:
+def drag_along_rod(drag: Drag, length: Number | None) -> Drag:
     """Drag whose profile is checked along a rod of this length, m, and sampled.
 
     A function becomes `Samples`; a number stays. The length is None if it is unknown.

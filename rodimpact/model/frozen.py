@@ -270,7 +270,7 @@ class QuantityField(NamedTuple):
         single number it is one truth value. The sign itself is not asked for.
         """
         smallest = TINY
-        if "positive" in self.sign:
+        if "positive" in self.sign:  # "positive", or "positive or infinite"
             smallest = SMALLEST
         elif self.sign == "sampled":
             smallest = 0.0

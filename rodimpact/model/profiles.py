@@ -277,7 +277,7 @@ ProfileLike: TypeAlias = (
 )
 
 
-def along_rod(
+def checked_along_rod(
     problems: Problems,
     path: str,
     value: Any,

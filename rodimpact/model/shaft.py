@@ -15,15 +15,15 @@ Shaft: TypeAlias = Soil | Drag
 SHAFTS: dict[str, type[Shaft]] = {kind.kind: kind for kind in get_args(Shaft)}
 
 
-def along_rod(shaft: Shaft, length: Number | None) -> Shaft:
+def shaft_along_rod(shaft: Shaft, length: Number | None) -> Shaft:
     """Shaft whose profiles are checked along a rod of this length, m, and sampled.
 
     A function becomes `Samples`. The length is None where it is unknown; InvalidModel
     if a profile has mistakes.
     """
     if isinstance(shaft, Drag):
-        return drag.along_rod(shaft, length)
-    return soil.along_rod(shaft, length)
+        return drag.drag_along_rod(shaft, length)
+    return soil.soil_along_rod(shaft, length)
 
 
 def mirrored(shaft: Shaft, length: Number) -> Shaft:

@@ -37,7 +37,7 @@ def checked_along(
     """
     if not is_profile(value):
         return value
-    profile = profiles.along_rod(problems, name, value, field, length)
+    profile = profiles.checked_along_rod(problems, name, value, field, length)
     if isinstance(profile, Steps):  # `along_rod` allows any sign of these
         for i, step in enumerate(profile.values):
             field.checked(problems, f"{name}.values.{i}", step)

@@ -96,7 +96,7 @@ class Soil(FrozenDataclass, kind="soil"):
                 self._set(**{name: checked})
 
 
-def along_rod(soil: Soil, length: Number | None) -> Soil:
+def soil_along_rod(soil: Soil, length: Number | None) -> Soil:
     """Soil whose profiles are checked along a rod of this length, m, and sampled.
 
     Functions become `Samples`; numbers stay. The length is None if it is unknown.

@@ -18,7 +18,7 @@ from typing import Any, ClassVar, get_args
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..hints import NamedItems, Parts, explain_missing
+from ..hints import NamedItems, TupleOfParts, explain_missing
 from ..units import shown
 from . import frozen
 from .arguments import demand
@@ -135,9 +135,9 @@ class System(FrozenDataclass):
         frozen.raise_if_problems(problems)
         # Lists are kept as tuples, which do not change.
         self._set(
-            bodies=Parts(bodies),
+            bodies=TupleOfParts(bodies),
             gaps=tuple(gaps),
-            contacts=Parts(laws),
+            contacts=TupleOfParts(laws),
             ends=tuple(ends),
         )
         if self._varies:
@@ -436,13 +436,14 @@ def restored(classes: Mapping[str, Any], tag: str, data: dict[str, Any]) -> Any:
 
 
 def _parameters_from(description: dict[str, Any]) -> dict[str, Any]:
-    """Parameters of the constructor of an object from its `to_dict`, without its tag.
+    """Parameters of the constructor of an object, from its `to_dict`.
 
-    Descriptions of profiles, materials, segments and soil become objects.
+    Descriptions of profiles, materials, segments and soil become objects; all other
+    entries stay. The caller has removed the tag that names the class of the object.
     """
     parameters = {}
     for name, value in description.items():
-        parameters[name] = profile_from(value)
+        parameters[name] = profile_from(value)  # values of other types stay
     if "material" in description:
         parameters["material"] = Material(**description["material"])
     if "segments" in description:
@@ -451,6 +452,7 @@ def _parameters_from(description: dict[str, Any]) -> dict[str, Any]:
             segments.append(Segment(**_parameters_from(segment)))
         parameters["segments"] = segments
     if "shaft" in description:
+        # The kind of the shaft, its tag, is removed by `shaft_from`.
         parameters["shaft"] = shaft_from(_parameters_from(description["shaft"]))
     return parameters
 

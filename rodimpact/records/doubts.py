@@ -231,8 +231,9 @@ def _oversized_specimen(
 def _unlike_opposite_gauges(bar: InstrumentedBar) -> Iterator[str]:
     """A doubt for each pair of opposite gauges of which one records too little.
 
-    It records less than `MIN_OPPOSITE_RATIO` of the other over the first pulse. Nothing
-    is said of a gauge without an opposite one.
+    Of both records the component along their mean is compared, over the first pulse: a
+    gauge records too little if its component is less than `MIN_OPPOSITE_RATIO` of the
+    other. Nothing is said of a gauge without an opposite one.
     """
     for gauge, pulse in zip(bar.gauges, bar.first_pulses, strict=True):
         if gauge.opposite is None:

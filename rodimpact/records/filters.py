@@ -116,7 +116,8 @@ def dispersed(values: Floats, dt: float, distance: float, bar: Any) -> Floats:
     over no distance. InvalidModel if the filtered record is too long.
     """
     duration = DISPERSION_TAIL * abs(distance) / bar.wave_speed
-    tail = math.ceil(min(duration / dt, MAX_SAMPLES))  # samples
+    # Samples. `_filter` refuses more than the limit; an infinite number has no `ceil`.
+    tail = math.ceil(min(duration / dt, MAX_SAMPLES))
 
     def gain(f: Floats) -> Any:
         return first_mode(f, distance, bar)

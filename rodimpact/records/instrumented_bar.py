@@ -81,7 +81,10 @@ class InstrumentedBar(NamedTuple):
         return until
 
     def propagated(self, strain: Floats, distance: float) -> Floats:
-        """The strain, at rest before, after a distance, m, along the bar."""
+        """The strain after a distance, m, along the bar, at the same times.
+
+        It is later by the time of travel. The bar is at rest before the first time.
+        """
         return self.guide.propagated(strain, distance)
 
 

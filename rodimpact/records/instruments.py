@@ -110,10 +110,10 @@ def _cells(line: str) -> list[str]:
 def _rigol_layout(heads: list[str], entries: list[str]) -> Layout:
     """Layout of a file whose rows have a number instead of a time.
 
-    `heads` are the cells of the first line: X, channels, Start, Increment. `entries`
-    are those of the second one: units of the channels, the time of the first row and
-    the time step. In each row the number, of a sample from 0 on, becomes a time.
-    FileFormatError if the last two are no numbers.
+    `heads` are the cells of the first line in small letters: x, channels, start,
+    increment. `entries` are those of the second one: units of the channels, the time of
+    the first row and the time step. In each row the number, of a sample from 0 on,
+    becomes a time. FileFormatError if the last two are no numbers.
     """
     start_column = heads.index("start")
     try:

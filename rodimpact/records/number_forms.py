@@ -229,10 +229,11 @@ def _chosen(
 
 
 def _why_none(lines: list[str], forms: list[NumberForm]) -> str:
-    """What keeps a line in the middle of the lines from being numbers, and the remedy.
+    """Why no first row of numbers is found, and the remedy: the end of a sentence.
 
-    It is the end of an error's sentence. The line is read in the form that finds most
-    numbers in it.
+    All lines are blank, or a line in the middle has a cell that is no number, or the
+    line has numbers and a line below it has not. The line is read in the form that
+    finds most numbers in it.
     """
     filled = [i for i, line in enumerate(lines) if line.strip()]
     if not filled:
@@ -240,13 +241,13 @@ def _why_none(lines: list[str], forms: list[NumberForm]) -> str:
     middle = filled[len(filled) // 2]
     line = lines[middle]
 
-    def numbers_in(form: NumberForm) -> int:
-        """How many cells of the line are numbers."""
+    def cells_that_are_numbers(form: NumberForm) -> int:
+        """How many cells of the line are numbers in a form, whatever the others are."""
         return sum(map(form.is_number, form.cells(line)))
 
-    form = max(forms, key=numbers_in)
+    form = max(forms, key=cells_that_are_numbers)
     count = form.count_numbers(line)  # 0 if a cell is no number
-    if count:  # then a line below it keeps it from being the first row
+    if count:  # This line could begin the numbers: so a line below it is none.
         return (
             f": line {middle + 1} has {count} numbers, but not all lines below it; "
             "every line needs a number for each column"

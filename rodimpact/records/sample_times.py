@@ -16,7 +16,7 @@ from .signal import EQUAL_STEP_RTOL
 
 MIN_GAP_RATIO = 1.5
 """Smallest time step between which samples are missing, over the usual step."""
-MIN_UNEVEN_RATIO = 0.1
+MIN_UNEVEN_SHARE = 0.1
 """Least share of steps unlike the usual one by which times count as uneven or rounded.
 
 With fewer such steps, the unlike ones are gaps.
@@ -55,7 +55,7 @@ def checked_times(
 ) -> Floats:
     """The times, s, if they increase without gaps; equal steps if they are rounded.
 
-    Uneven steps are no gaps if `MIN_UNEVEN_RATIO` of all steps are.
+    Uneven steps are no gaps if `MIN_UNEVEN_SHARE` of all steps are.
 
     Parameters
     ----------
@@ -78,7 +78,7 @@ def checked_times(
         If times do not increase, or samples are missing.
     """
     steps = np.diff(times)
-    if _are_rounded(times, steps):
+    if _are_rounded(times, steps):  # then none decreases, and no sample is missing
         equal = _equal_steps(times)
         sentence = _rounding_sentence(name, times, steps, equal)
         warnings.warn(sentence, RoundedTimes, stacklevel)
@@ -106,7 +106,7 @@ def checked_times(
     np.abs(steps, out=steps)
     uneven_share = np.mean(steps > EQUAL_STEP_RTOL * usual)
     # Many uneven steps are so on purpose.
-    if uneven_share < MIN_UNEVEN_RATIO:
+    if uneven_share < MIN_UNEVEN_SHARE:
         refuse_if(
             is_gap, "samples are missing; cut the record there, or fill in the samples"
         )
@@ -132,7 +132,7 @@ def _are_rounded(times: Floats, steps: Floats) -> bool:
         return False  # times that do not increase, or equal steps
     usual = np.median(steps)
     is_uneven = np.abs(steps - usual) > EQUAL_STEP_RTOL * usual
-    is_rare = is_uneven.mean() < MIN_UNEVEN_RATIO
+    is_rare = is_uneven.mean() < MIN_UNEVEN_SHARE
     # A missing sample makes the longest step twice the shortest one: the supposed last
     # digit, their difference, is about as long as the shortest.
     if is_rare and shortest < MIN_GAP_RATIO * last_digit:

@@ -498,7 +498,9 @@ def _impulse_from_outside(fields: Fields, tick: int) -> float:
     for end_action, sign in zip(fields.signals.boundary_actions, INWARD, strict=True):
         if end_action is not None:
             push_integral = float(end_action.push.integral(0, tick))
+            # A push on an end is positive inward. Ticks become seconds.
             impulse += sign * push_integral * fields.clock.tick
     for action in fields.signals.shafts.values():
+        # A push on a shaft is positive to the right.
         impulse += float(action.push.integral(0, tick)) * fields.clock.tick
     return impulse

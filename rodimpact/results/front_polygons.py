@@ -201,13 +201,15 @@ def count_of_regions(rods: Any, start: int, stop: int, limit: float) -> int:
     return count
 
 
-def polygons_of(rods: Any, tick: float, frame: float, start: int, stop: int) -> Any:
+def polygons_of(
+    rods: Any, tick: float, frame: float, first_tick: int, last_tick: int
+) -> Any:
     """Polygons of constant state between two ticks: lists by the names of `Regions`.
 
     The polygons of all rods are in the same lists, rod by rod and piece by piece. Lists
-    have an entry for each polygon, ``start`` one more, and ``x``, ``t`` and
-    ``displacement`` an entry for each vertex. In each rod x and the initial
-    displacement count from its left end.
+    have an entry for each polygon, and ``x``, ``t`` and ``displacement`` an entry for
+    each vertex. ``start`` has one entry more, the end of the last polygon. In each rod
+    x and the initial displacement count from its left end.
 
     Parameters
     ----------
@@ -219,8 +221,7 @@ def polygons_of(rods: Any, tick: float, frame: float, start: int, stop: int) -> 
         Duration of a tick, s.
     frame : float
         Velocity of the frame in which the waves are given, m/s.
-    start, stop : int
-        First and last tick.
+    first_tick, last_tick : int
     """
     polygons: Any = {
         "body": [],
@@ -240,9 +241,10 @@ def polygons_of(rods: Any, tick: float, frame: float, start: int, stop: int) -> 
         pieces = rod["pieces"]
         for s in range(len(pieces)):
             left = SegmentStart(rod["body"], s, x, displacement)
-            add_segment(polygons, pieces[s], left, clock, start, stop)
+            add_segment(polygons, pieces[s], left, clock, first_tick, last_tick)
             x += pieces[s]["length"]
-            displacement += initial_elongation(pieces[s]) * tick  # m/s ticks to m
+            elongation_in_ticks = initial_elongation(pieces[s])  # m/s ticks
+            displacement += elongation_in_ticks * tick
     return polygons
 
 

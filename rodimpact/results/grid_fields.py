@@ -175,10 +175,11 @@ class GridFields(Fields):
         A mass is that of the halves of the rod's cells beside the node, kg. A body that
         is bonded to an end of the rod does not count.
         """
-        first, last = self.clock.spans[body]  # segments in the row, counted from 1
-        # Segment 1 has the index 1 in these lists.
-        first_node = self.motion.first[first]
-        last_node = self.motion.last[last]
+        # Segments in the row, counted from 1.
+        first_segment, last_segment = self.clock.spans[body]
+        # Segment 1 has the index 1 in these lists of the nodes at its ends.
+        first_node = self.motion.first[first_segment]
+        last_node = self.motion.last[last_segment]
         nodes = slice(first_node, last_node + 1)
         cells = slice(first_node + 1, last_node + 1)  # cell n lies left of node n
         half = self.motion.cells.cell_mass[cells] / 2

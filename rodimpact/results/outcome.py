@@ -7,7 +7,7 @@ import math
 from dataclasses import dataclass
 from typing import Any, Generic, TypeVar, cast
 
-from ..hints import Parts, UndefinedResult, explain_missing
+from ..hints import TupleOfParts, UndefinedResult, explain_missing
 from ..methods.abilities import has_external_drive
 from ..methods.groups import unilateral
 from ..methods.outcome import Totals
@@ -320,7 +320,7 @@ def outcome_of(run: Run, totals: Totals) -> Outcome:
         kinetic_after=totals.after.kinetic,
         vibration_before=tuple(totals.before.vibration),
         vibration_after=tuple(totals.after.vibration),
-        contacts=Parts(run.contacts),
+        contacts=TupleOfParts(run.contacts),
         unilateral=tuple(unilateral(system)),
         momentum_residual=totals.momentum_residual,
         energy_residual=totals.energy_residual,

@@ -147,8 +147,8 @@ def pair_theory(system: System) -> PairTheory | None:
     """The numbers of a family whose collision has a closed form, else None.
 
     It has one if two bodies, one of them a rod at least, meet at a `Rigid` contact,
-    neither gravity nor an end acts on them, both have `_body_numbers`, and the bodies
-    of some member approach each other.
+    neither gravity nor an end acts on them, both have `_closed_form_inputs`, and the
+    bodies of some member approach each other.
     """
     is_pair = len(system.bodies) == 2
     if not is_pair or not isinstance(system.contacts[0], Rigid):
@@ -159,8 +159,8 @@ def pair_theory(system: System) -> PairTheory | None:
     without_loads = System(system.bodies, system.gaps, system.contacts)
     if system != without_loads:
         return None
-    left = _body_numbers(system.bodies[0])
-    right = _body_numbers(system.bodies[1])
+    left = _closed_form_inputs(system.bodies[0])
+    right = _closed_form_inputs(system.bodies[1])
     if left is None or right is None:
         return None
     arrays = []
@@ -169,13 +169,13 @@ def pair_theory(system: System) -> PairTheory | None:
         left_array = np.broadcast_to(of_left, system.shape)
         right_array = np.broadcast_to(of_right, system.shape)
         arrays.append(np.stack([left_array, right_array]))
-    family = PairTheory(*arrays)  # its fields are those of `_BodyNumbers`
+    family = PairTheory(*arrays)  # its fields are those of `_ClosedFormInputs`
     if not family.approaches.any():
         return None
     return family
 
 
-class _BodyNumbers(NamedTuple):
+class _ClosedFormInputs(NamedTuple):
     """Numbers of one body, as `PairTheory` has them of both.
 
     Each is a float or an array.
@@ -187,7 +187,7 @@ class _BodyNumbers(NamedTuple):
     velocity: Any  # m/s
 
 
-def _body_numbers(body: Body) -> _BodyNumbers | None:
+def _closed_form_inputs(body: Body) -> _ClosedFormInputs | None:
     """Numbers that the closed forms take of a body; of a wall the mass is infinite.
 
     None if it is a rod that is not uniform, has damping or lateral inertia, has initial
@@ -195,7 +195,9 @@ def _body_numbers(body: Body) -> _BodyNumbers | None:
     """
     if not isinstance(body, Rod):
         mass = getattr(body, "mass", np.inf)  # a wall has no such number
-        return _BodyNumbers(np.inf, 0.0, mass, body.velocity)
+        return _ClosedFormInputs(
+            impedance=np.inf, transit_time=0.0, mass=mass, velocity=body.velocity
+        )
     segment = body.segments[0]
     # An ideal segment has one area, no damping and no lateral inertia.
     is_ideal = len(body.segments) == 1 and segment.ideal
@@ -203,6 +205,9 @@ def _body_numbers(body: Body) -> _BodyNumbers | None:
     is_strained = np.any(body.strain != 0)  # a profile differs from 0, and is strain
     if not is_ideal or not moves_as_one or is_strained:
         return None
-    return _BodyNumbers(
-        segment.impedance, segment.transit_time, segment.mass, body.velocity
+    return _ClosedFormInputs(
+        impedance=segment.impedance,
+        transit_time=segment.transit_time,
+        mass=segment.mass,
+        velocity=body.velocity,
     )

@@ -60,11 +60,11 @@ def case_of(solution: Any) -> Case:
 
 
 def result_of(solution: Any) -> SavedResult:
-    """The numbers of the outcome in the file of a solution, with their stated errors.
+    """What the file of a solution stores of its outcome, with the stated errors.
 
     The version of rodimpact, the method, and why and whether the collision ended come
-    with them. Numbers of bodies and contacts
-    have names with their index, such as ``impulse.0``.
+    with the numbers. Those of bodies and contacts have names with their index, such as
+    ``impulse.0``.
     """
     outcome = solution.outcome
     numbers = {}

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..hints import NamedItems, Parts, explain_missing
+from ..hints import NamedItems, TupleOfParts, explain_missing
 from ..methods.outcome import Totals
 from ..methods.registry import Options
 from ..methods.run import Run, Waves
@@ -173,7 +173,7 @@ class Solution(Shown):
         histories = []
         for i in range(len(self.run.contacts)):
             histories.append(ContactHistory(i, self.fields, self.run))
-        return Parts(histories)
+        return TupleOfParts(histories)
 
     # Fields ---------------------------------------------------------------------------
 

@@ -446,7 +446,7 @@ def _colleague_matrices(series: Floats) -> Floats:
         matrices[:, k, k + 1] = 0.5
         matrices[:, k + 1, k] = 0.5
     # Row 0 is y T_0 = T_1, which has no half.
-    share_of_last = 0.5  # of T_n in the last row
+    share_of_last = 0.5  # the factor of T_n in the last row
     if degree > 1:
         matrices[:, 0, 1] = 1.0
     else:  # row 0 is the last row

@@ -493,9 +493,10 @@ class _Number(NamedTuple):
         return True
 
     def _changed(self, change: Any) -> System:
-        """The system with the number plus a change; InvalidModel if it refuses that.
+        """The system with the number, wherever it stands, plus a change.
 
-        It is a family if the change is an array.
+        It is a family if the change is an array. InvalidModel if the system refuses
+        the changed number.
         """
         value = self.x + change
         if np.ndim(value) == 0:  # in place of a number of NumPy

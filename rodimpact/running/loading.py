@@ -71,22 +71,22 @@ def load(path: PathLike) -> Any:
     return _solve_again(name)
 
 
-def _solve_again(name: str) -> Solution:
-    """Solve the case of a file.
+def _solve_again(path: str) -> Solution:
+    """Solve the case of a file, which stores its outcome.
 
     The warning OutcomeDiffers tells where the outcome differs from the stored one by
     more than the stated errors. InvalidModel if the case stores no outcome.
     """
-    case = read_case(name)
+    case = read_case(path)
     if case.result is None:
         message = (
             "has no table [result], so it is no saved solution; read_case(path) reads "
             "the case, and solve(case.system, **case.solve) solves it"
         )
-        raise invalid_argument(name, message)
+        raise invalid_argument(path, message)  # the file stands for the argument
     solution = solve(case.system, **case.solve)
     differences = difference(case.result, solution)
     if differences:
-        # The line that calls `load`, whose frame is behind that of its decorator.
-        warnings.warn(f"{name}: {differences}", OutcomeDiffers, stacklevel=4)
+        # The frames are this one, `load`, its decorator, and the line that calls it.
+        warnings.warn(f"{path}: {differences}", OutcomeDiffers, stacklevel=4)
     return solution

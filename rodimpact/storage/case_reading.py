@@ -547,9 +547,9 @@ def read_output(table: Table) -> dict[str, str]:
 def read_gauge(table: Table, bodies: list[Body | None]) -> GaugePlace:
     """A strain gauge on one of the rods; mistakes are noted.
 
-    The body must be the number of a rod, and the fraction of its length from 0 to 1. A
-    fraction that is missing or no number is a mistake, and becomes nan; other wrong
-    entries stay.
+    The body must be the index of a rod among the bodies, from 0, the fraction of its
+    length lie from 0 to 1, and the name, if there is one, be a text. A fraction that is
+    missing or no number is a mistake, and becomes nan; other wrong entries stay.
     """
     rods = [i for i, body in enumerate(bodies) if isinstance(body, Rod)]
     body = table.get("body")
@@ -562,6 +562,7 @@ def read_gauge(table: Table, bodies: list[Body | None]) -> GaugePlace:
     if table.has("fraction"):
         fraction = table.quantity("fraction", fraction, "dimensionless")
     if not 0 <= fraction <= 1:  # true of nan, too
+        # Of two mistakes of an entry only the first is noted.
         message = "give the place over the length of the rod, from 0 to 1"
         table.note_mistake("fraction", message)
     name = table.get("name", "")

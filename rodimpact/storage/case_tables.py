@@ -155,8 +155,8 @@ class Table:
         for key, field in kind.fields.items():
             if key in without:
                 continue
-            if field.many:
-                is_given = self.has(key)  # its items may vary, not the list itself
+            if field.many:  # a list, whose items may vary, but not itself
+                is_given = self.has(key)
             else:
                 is_given = self.has_or_varies(key)
             if is_given or field.default is REQUIRED:

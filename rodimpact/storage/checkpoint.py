@@ -101,7 +101,7 @@ class Checkpoint:
         # In the form in which it comes back from a file: JSON turns tuples into lists.
         self._sweep = json.loads(json.dumps(sweep))
         self._began = time.monotonic()  # s
-        self._saved = self._began  # time of the last file, s
+        self._saved_at = self._began  # time of the last file, s
         self.done = np.zeros(size, dtype=bool)
         self._unsaved = np.zeros(size, dtype=bool)  # members that are not on the disk
         for file in self._files():
@@ -197,7 +197,7 @@ class Checkpoint:
         now = time.monotonic()
         # Saving takes time: a long sweep saves less often.
         interval = max(SAVE_INTERVAL, SAVE_TIME_RATIO * (now - self._began))
-        if now - self._saved >= interval:
+        if now - self._saved_at >= interval:
             self._save()
 
     def close(self) -> None:
@@ -207,15 +207,15 @@ class Checkpoint:
     def _save(self) -> None:
         """Save the members that are not on the disk, a file for each run of them.
 
-        From then on they count as saved. Without a directory nothing is written, but
-        they count as saved, too.
+        From then on they count as saved, and the time until the next save begins anew.
+        Without a directory nothing is written, but they count as saved, too.
         """
         if self.path is not None:
             # Each run of members without a gap, from `start` to `stop - 1`.
             for start, stop in spans(self._unsaved):
                 self._write(self.path / FILE_NAME.format(f"{start:08}"), start, stop)
         self._unsaved[:] = False
-        self._saved = time.monotonic()
+        self._saved_at = time.monotonic()
 
     def _write(self, file: Path, start: int, stop: int) -> None:
         """Write the members `start` to `stop - 1` to a file; an old one is replaced.
