@@ -55,7 +55,7 @@ class Pieces:
     def __init__(
         self, ticks: ArrayLike, coefficients: ArrayLike, end: int | None = None
     ) -> None:
-        """Keep the arguments as arrays, and set `size`, the coefficients of a piece.
+        """Keep the arguments as arrays, and set `coefficient_count`.
 
         Values of constant pieces become a column, [n, 1].
         """
@@ -64,7 +64,7 @@ class Pieces:
         if columns.ndim == 1:
             columns = columns[:, None]
         self.coefficients = columns
-        self.size: int = columns.shape[1]  # coefficients of a piece
+        self.coefficient_count: int = columns.shape[1]  # of each piece
         if end is None:  # constants need none: the last one goes on for ever
             end = self.ticks[-1]
         self.end = int(end)
@@ -93,7 +93,8 @@ class Pieces:
     @cached_property
     def values(self) -> Floats:
         """Value at the start of each piece, [n]."""
-        return np.asarray(self.coefficients @ (-1.0) ** np.arange(self.size))
+        signs = (-1.0) ** np.arange(self.coefficient_count)  # of T_k at y = -1
+        return np.asarray(self.coefficients @ signs)
 
     @cached_property
     def breaks(self) -> Ints:
@@ -101,7 +102,7 @@ class Pieces:
 
         The end is included; constants have no end.
         """
-        if self.size == 1:
+        if self.coefficient_count == 1:  # pieces are constant
             return self.ticks
         return each_once(self.ticks, [self.end])
 
@@ -137,7 +138,7 @@ class Pieces:
 
         That of the Chebyshev polynomial T_k is k^2 (k^2 - 1)/3 at most.
         """
-        k = np.arange(self.size)
+        k = np.arange(self.coefficient_count)
         return np.asarray(np.abs(self.coefficients) @ (k**2 * (k**2 - 1) / 3))
 
     @cached_property
@@ -148,7 +149,7 @@ class Pieces:
         inside of pieces that bend, the end, and a tick just before each jump. A signal
         of constant pieces has their starts alone.
         """
-        if self.size == 1:  # one coefficient a piece: it is constant
+        if self.coefficient_count == 1:  # pieces are constant
             return self.ticks
         middle = self.coefficients[:, 0]
         swing = np.abs(self.coefficients[:, 1:]).sum(axis=1)  # bound of value - middle
@@ -163,18 +164,18 @@ class Pieces:
             parts_needed = np.ceil(np.sqrt(self.bends / (2 * tolerance)))
         # Each part begins with a mark, and has a tick at least.
         parts = np.clip(parts_needed, 1, self.widths).astype(np.int64)
-        # [n]: how many marks the pieces before have
+        # How many marks the pieces before have, [n]
         marks_before = np.cumsum(parts) - parts
-        # [mark], as `inside`: its number in its piece, counted from 0
+        # Number of each mark in its piece, counted from 0, [mark]
         index_in_piece = np.arange(parts.sum()) - np.repeat(marks_before, parts)
-        # The last part of a piece takes the remainder, fewer ticks than it has parts.
+        # Ticks of the part behind each mark, [mark]. They are rounded down: the last
+        # part of a piece is longer.
         part_widths = np.repeat(self.widths // parts, parts)
         inside = np.repeat(self.ticks, parts) + part_widths * index_in_piece
         later_starts = self.ticks[1:]
         rises = self.values[1:] - self.at(later_starts, "left")
         jumps = later_starts[np.abs(rises) > tolerance]
-        # Beyond 2^51 floats do not resolve ticks:
-        # the mark is far enough for them to differ.
+        # A tick earlier, and more beyond 2^51, where floats do not tell ticks apart
         before_jumps = jumps - 1 - (jumps >> 51)
         return each_once(inside, before_jumps, [self.end])
 
@@ -198,7 +199,7 @@ class Pieces:
         """
         ticks = np.asarray(ticks)
         i = self.piece(ticks, side)
-        if self.size == 1:  # one coefficient a piece: it is constant
+        if self.coefficient_count == 1:  # pieces are constant
             return self.values[i]
         return _polynomials(self.coefficients, i, self._own_time(i, ticks))
 
@@ -227,7 +228,7 @@ class Pieces:
         starts = np.asarray(starts)
         lengths = np.asarray(stops) - starts
         i = self.piece(starts + lengths // 2)  # the piece in which the middle lies
-        if self.size == 1:
+        if self.coefficient_count == 1:
             return self.coefficients[i]
         # Ticks from the start of the piece to each share, [interval, share]
         since_start = (starts - self.ticks[i])[:, None] + lengths[:, None] * shares
@@ -239,7 +240,7 @@ class Pieces:
 
         Each lies in one piece.
         """
-        shares, weights = quadrature((self.size + 1) // 2)
+        shares, weights = quadrature((self.coefficient_count + 1) // 2)
         return np.asarray(self.inside(starts, stops, shares) @ weights)
 
     def integral(self, start: ArrayLike, stop: ArrayLike) -> Floats:
@@ -249,16 +250,18 @@ class Pieces:
     def _from_first(self, ticks: ArrayLike) -> Floats:
         """Integral from the start of the first piece to these ticks, value times ticks.
 
-        It is an array of the shape of `ticks`. Outside of the pieces the signal is
-        constant; before them the integral runs backwards.
+        It is an array of the shape of `ticks`. Before the first piece and after the
+        last one the signal is constant; before the first one the integral of a positive
+        signal is negative.
         """
         ticks = np.asarray(ticks)
         i = self.piece(ticks)
         coefficients, up_to_piece = self._primitive
-        if self.size == 1:
+        if self.coefficient_count == 1:  # pieces are constant
             return up_to_piece[i] + self.values[i] * (ticks - self.ticks[i])
+        # `_own_time` stops at both ends of a piece: this ends where the pieces do.
         in_piece = _polynomials(coefficients, i, self._own_time(i, ticks))
-        # Ticks beyond both ends, where the signal stays constant
+        # Ticks since the end, or below 0 from the start on, where it stays constant
         outside = ticks - np.clip(ticks, self.ticks[0], self.end)
         if np.any(outside):
             in_piece = in_piece + outside * self.at(ticks)
@@ -304,13 +307,19 @@ class Pieces:
         return Pieces(self.ticks, coefficients, self.end)
 
     def __add__(self, other: Pieces) -> Pieces:
-        return self._combined(other, np.add, max(self.size, other.size))
+        return self._combined(
+            other, np.add, max(self.coefficient_count, other.coefficient_count)
+        )
 
     def __sub__(self, other: Pieces) -> Pieces:
-        return self._combined(other, np.subtract, max(self.size, other.size))
+        return self._combined(
+            other, np.subtract, max(self.coefficient_count, other.coefficient_count)
+        )
 
     def __mul__(self, other: Pieces) -> Pieces:
-        return self._combined(other, np.multiply, self.size + other.size - 1)
+        return self._combined(
+            other, np.multiply, self.coefficient_count + other.coefficient_count - 1
+        )
 
     def _combined(self, other: Pieces, operation: Any, size: int) -> Pieces:
         """The signal operation(self, other), whose pieces have `size` coefficients.
@@ -342,7 +351,7 @@ class Pieces:
         """
         starts = (about - self.ticks - self.widths)[::-1]
         # T_m(-y) = (-1)^m T_m(y)
-        mirrored = self.coefficients * (-1.0) ** np.arange(self.size)
+        mirrored = self.coefficients * (-1.0) ** np.arange(self.coefficient_count)
         return Pieces(starts, mirrored[::-1], int(about - self.ticks[0]))
 
     def cut(self, ticks: Ints, end: int) -> Pieces:
@@ -357,7 +366,7 @@ class Pieces:
         end : int
             Tick at which the last piece stops.
         """
-        shares, to_coefficients = _interpolation(self.size)
+        shares, to_coefficients = _interpolation(self.coefficient_count)
         stops = np.append(ticks[1:], end)
         values = self.inside(ticks, stops, shares)
         return Pieces(ticks, values @ to_coefficients, end)

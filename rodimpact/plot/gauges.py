@@ -167,7 +167,8 @@ def _draw_steps(
 ) -> StepPatch:
     """Draw strains of a record over time as steps, of very many the extreme ones."""
     style.setdefault("linewidth", 1.4)
-    is_smooth = record.record.size > 2  # it has samples, not constant states alone
+    # More than straight lines: it has samples, not constant states alone.
+    is_smooth = record.record.coefficient_count > 2
     curve = thinned(steps_until(record.end, record.times, values, is_smooth))
     return ax.stairs(
         curve.values * MICROSTRAIN.factor,

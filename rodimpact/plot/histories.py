@@ -317,7 +317,7 @@ class ContactCurves:
                 mean = f",\nmean over {quantity_text(step, 's')}"
             else:
                 times, values, _ = history.breakpoints()
-                is_smooth = history.push.size > 1
+                is_smooth = history.push.coefficient_count > 1
                 force = steps_until(self.end, times, values, is_smooth)
             gap = history.gap(force.edges)  # linear between these times
             chosen = extreme_indices(gap)

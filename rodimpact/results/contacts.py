@@ -135,7 +135,7 @@ class ContactHistory:
         these times alone, and straight lines between them follow force and gap to 5e-5
         of their ranges.
         """
-        is_constant_between_jumps = self.push.size == 1  # one coefficient a piece
+        is_constant_between_jumps = self.push.coefficient_count == 1
         if is_constant_between_jumps:
             ticks = self.push.ticks
         else:

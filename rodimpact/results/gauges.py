@@ -180,10 +180,10 @@ class Gauge:
         cell_of_part = parts.cell
         begin = (parts.cuts[:-1] - bounds[cell_of_part]) / step  # u where a part begins
         width = np.diff(parts.cuts)[:, None] / step  # of a part, in u
-        # In a part the strain is one polynomial, of the degree size - 1, and the strain
-        # times u^2 of the degree size + 1. Gauss's rule of n points is exact up to the
-        # degree 2 n - 1.
-        point_count = (self.record.size + 3) // 2
+        # In a part the strain is one polynomial, of a degree one below its count of
+        # coefficients, and the strain times u^2 of a degree one above that count.
+        # Gauss's rule of n points is exact up to the degree 2 n - 1.
+        point_count = (self.record.coefficient_count + 3) // 2
         shares, weights = quadrature(point_count)  # points as shares of a part's width
         u = begin[:, None] + width * shares  # [part, point of the rule]
         strain = self.record.inside(parts.cuts[:-1], parts.cuts[1:], shares)

@@ -133,7 +133,7 @@ class SegmentWaves(NamedTuple):
         breaks_of_B = leftward.breaks_in(start, tick)
         edges = each_once([start], breaks_of_A, breaks_of_B, [tick])
         # Gauss's rule with as many points as coefficients is exact for the squares.
-        point_count = max(rightward.size, leftward.size)
+        point_count = max(rightward.coefficient_count, leftward.coefficient_count)
         shares, weights = quadrature(point_count)  # points from 0 to 1, in an interval
         # Values less the velocity, [interval, point]
         A = rightward.inside(edges[:-1], edges[1:], shares) - velocity

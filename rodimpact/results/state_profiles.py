@@ -95,7 +95,9 @@ def _polynomials(
     segments = list(fields.waves_along(body))
     count = 2
     for waves in segments:
-        count = max(count, waves.rightward.size, waves.leftward.size)
+        count = max(
+            count, waves.rightward.coefficient_count, waves.leftward.coefficient_count
+        )
     angles = np.pi * np.arange(count) / (count - 1)
     shares = (1 - np.cos(angles)) / 2  # places of the points in an interval, 0 to 1
     ones = np.ones(count)  # constant waves have one value an interval, to be repeated

@@ -358,7 +358,7 @@ def _edges(signal: Pieces, chosen: Mask) -> Samples:
     """
     starts = signal.ticks[chosen]
     first_values = Samples(starts, signal.values[chosen])
-    if signal.size == 1:
+    if signal.coefficient_count == 1:
         return first_values
     all_stops = np.append(signal.ticks[1:], signal.end)
     stops = all_stops[chosen] - INSIDE_TICKS
@@ -375,7 +375,7 @@ def _turning_points(signal: Pieces, chosen: Mask) -> Samples:
     `INSIDE_TICKS`.
     """
     # Pieces of fewer than three coefficients are straight.
-    if signal.size < 3 or not chosen.any():
+    if signal.coefficient_count < 3 or not chosen.any():
         return Samples(np.zeros(0, np.int64), np.zeros(0))
     slopes = chebyshev.chebder(signal.coefficients, axis=1)
     # A slope keeps the sign of its constant term where the others cannot outweigh it.

@@ -80,7 +80,9 @@ class WaveFields(Fields):
     def constant_between_fronts(self) -> bool:
         """Whether all waves are constant between fronts, as velocity and strain are."""
         # There is no wave where a line is None; a constant wave has one coefficient.
-        return all(wave is None or wave.size == 1 for wave in self.motion.lines)
+        return all(
+            wave is None or wave.coefficient_count == 1 for wave in self.motion.lines
+        )
 
     # Fields at points and times -----------------------------------------------------
 

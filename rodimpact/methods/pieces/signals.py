@@ -206,7 +206,7 @@ def _rate(signal: Pieces, factor: float) -> Pieces:
     It is `NOTHING` if all pieces of the signal are constant; a jump between two has
     none.
     """
-    if signal.size == 1:  # it has constants only
+    if signal.coefficient_count == 1:  # its pieces are constant
         return NOTHING
     per_tick = 2 * factor / signal.widths  # y runs through 2 in a piece
     slopes = chebder(signal.coefficients, axis=1) * per_tick[:, None]
