@@ -310,7 +310,7 @@ def test_a_closing_joins_an_arrival_within_the_window(delay):
     gap = (arrival - delay) * 0.5 * clock.tick  # it closes at 0.5 m/s
     run = tracked(system.replace(gaps=[gap]), 1.0)
     assert run.clock.ticks == clock.ticks
-    assert run.run.closing_window > 900  # ticks, the longest delay
+    assert run.run.round_off_window > 900  # ticks, the longest delay
     assert run.nodes[1].first_force_tick == arrival
 
 

@@ -100,9 +100,11 @@ def log_contact_change(
 ) -> None:
     """Change the status of the contact at node k, and log the change.
 
-    Of the node, episodes, the ticks of first and last force and of the last opening,
-    and `is_faint` are brought up to date; of the run, when to try the next proof. The
-    force is still that before the change.
+    Of the node, episodes, the ticks of first and last force and of the last opening are
+    brought up to date. So is `is_faint`: 1 if it grazes now, and the velocity that its
+    last force took away was near round-off. The force is still that before the change.
+    Of the run, `next_proof_tick` is set: a proof of finality may be tried from now on,
+    or, if the contact presses, only after the next change.
 
     Parameters
     ----------
@@ -137,12 +139,13 @@ def log_contact_change(
         run.next_proof_tick = min(run.next_proof_tick, tick)
         if before == Status.PRESS:
             node.last_force_tick = tick
-        has_pressed = before >= Status.GRAZE  # since it closed
+        # Since it closed, see the order of `Status`
+        has_pressed = before >= Status.GRAZE
         if status == Status.OPEN and has_pressed:
             node.last_opening_tick = tick
     change.tick = tick
     change.line = CHANGE
-    change.next_row = k  # the node
+    change.next_row = k  # a change has no next row: the field holds its node
     change.value = status
 
 

@@ -117,7 +117,7 @@ def find_wave_differences(state: State) -> None:
         leftward = state.lines[2 * s + 1].first_row
         transit = state.segments[s].transit
         state.segments[s].max_wave_difference = largest_difference(
-            state.log, rightward, leftward, transit, run.now, run.closing_window
+            state.log, rightward, leftward, transit, run.now, run.round_off_window
         )
 
 

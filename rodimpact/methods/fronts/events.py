@@ -28,11 +28,12 @@ MAX_ROWS_PER_EVENT = 3  # rows of the log: a change of status and two fronts
 def start(state: State) -> None:
     """Set lines, nodes, groups, event queue and progress of the run to t = 0.
 
-    These are set before: transit and mobility of the segments, closed status and gap
-    of the nodes, what arrives from the walls, and the first `initial_rows` rows of the
-    log. For each line these are the fronts that fill it, in order of time, the first
-    of them one transit ago, so that it has just arrived. On a line from outside the
-    first front holds from t = 0 on, and later ones arrive at their own tick.
+    Nothing is solved yet: nodes are due at t = 0. These are set before: transit and
+    mobility of the segments, closed status and gap of the nodes, what arrives from the
+    walls, and the first `initial_rows` rows of the log. These rows are the fronts that
+    fill each line, in order of time. The first of a line left one transit ago, so that
+    it has just arrived. On a line from outside the first front holds from t = 0 on, and
+    later ones arrive at their own tick.
     """
     run = state.runs[0]
     zero = 0 * state.segments[1].mobility  # 0 of the kind of number that is used
@@ -45,7 +46,7 @@ def start(state: State) -> None:
         segment.momentum = zero
         segment.vibration_energy = zero
     find_bonded_groups(state.segments, state.nodes)
-    build_event_queue(state)
+    schedule_all_nodes(state)
     run.now = 0
     run.log_rows = run.initial_rows
     run.events = 0
@@ -115,7 +116,7 @@ def find_bonded_groups(segments: Sequence[Segment], nodes: Sequence[Node]) -> No
             segments[k].group_last = segments[k + 1].group_last
 
 
-def build_event_queue(state: State) -> None:
+def schedule_all_nodes(state: State) -> None:
     """Fill the event queue: every node is due at t = 0, but for some free ends.
 
     A free end whose outgoing wave already equals the incoming one waits for its next
@@ -135,6 +136,7 @@ def build_event_queue(state: State) -> None:
             outgoing = incoming ^ 1  # the other line of the same segment
             incoming_wave = state.lines[incoming].incoming_wave
             last_row = state.lines[outgoing].last_row
+            # A free end sends back the wave that arrives: equal ones need no event.
             if state.log[last_row].value == incoming_wave:
                 queue[leaves + k] = state.lines[incoming].arrival_tick
     event_queue.build_tree(queue)
@@ -146,10 +148,11 @@ def build_event_queue(state: State) -> None:
 def advance(state: State, horizon: int) -> int:
     """Run to tick `horizon`, or to a full log, a proof that is due, or the cap.
 
-    Events at `horizon` still happen. All arrivals of one tick at one node are taken
-    together, then the node is solved once. Nothing is half done when this returns: grow
-    the log and call again. The state is changed: nodes, lines, log, queue, and the
-    progress in the run. `run.now` is the tick of the last event.
+    Each event is a node at its tick: arrivals are taken, status and force are found,
+    and a front is sent where an outgoing wave changes. Events at `horizon` still
+    happen. Nothing is half done when this returns: grow a full log, and call again. The
+    state is changed: nodes, lines, log, queue, and the progress in the run. `run.now`
+    is the tick of the last event.
 
     Returns
     -------
@@ -163,38 +166,43 @@ def advance(state: State, horizon: int) -> int:
     log = state.log
     queue = state.queue
     tolerance = run.velocity_tolerance
-    window = run.closing_window
-    leaves = len(queue) // 2
-    # The last row from which an event still fits
+    window = run.round_off_window
+    leaves = len(queue) // 2  # leaf `leaves + k` of the queue is the tick of node k
+    # The last row of the log from which an event still fits
     last_free_row = len(log) - MAX_ROWS_PER_EVENT
     rows = run.log_rows
     events = run.events
-    # queue[1] is the earliest tick of all nodes, and leaf `leaves + k` that of node k.
+    # queue[1] is the earliest tick of all nodes.
     stop = find_stop(run, queue[1], horizon, rows > last_free_row, events)
     while stop == Stop.NONE:
         leaf = event_queue.first_leaf(queue)
         tick = queue[leaf]
         k = leaf - leaves
         node = nodes[k]
-        from_left = lines[2 * k]  # through segment k, to the right
-        from_right = lines[2 * k + 3]  # through segment k + 1, to the left
+
+        # Arrivals: the wave a from the left, and b from the right
+        from_left = lines[2 * k]  # through segment k
+        from_right = lines[2 * k + 3]  # through segment k + 1
         if from_left.arrival_tick == tick:
             receive(from_left, log, segments[k].transit)
         if from_right.arrival_tick == tick:
             receive(from_right, log, segments[k + 1].transit)
         a = from_left.incoming_wave
         b = from_right.incoming_wave
-        next_tick = min(from_left.arrival_tick, from_right.arrival_tick)
+        next_arrival = min(from_left.arrival_tick, from_right.arrival_tick)
 
+        # Effects of the force up to now, before the force changes
         dt = tick - node.solved_tick
         contact.accumulate_contact_totals(node, dt, window)
         node.solved_tick = tick
+
+        # Status and force from now on
         left_mobility = segments[k].mobility
         right_mobility = segments[k + 1].mobility
         if node.status >= Status.OPEN:  # a contact that can open
             status = contact.resolve_contact(node, a - b, dt, tolerance, window)
-            # The gap closed, and opens again without a force. At t = 0, where dt is 0,
-            # it may have been closed.
+            # A gap that was open closed and opens again, without a force between. At
+            # dt = 0 no time has passed: a gap of 0 may have been closed before.
             is_touch = status == Status.OPEN and dt > 0 and node.gap == 0
             if status != node.status or is_touch:
                 mobility = left_mobility + right_mobility
@@ -202,8 +210,10 @@ def advance(state: State, horizon: int) -> int:
                     run, node, log[rows], k, tick, status, mobility
                 )
                 rows += 1
+        is_left_end = k == 0
+        # The wave to the left without the force: a, but a + b at a pushed left end
         force_free_velocity = contact.solve_force(
-            node, a, b, left_mobility, right_mobility, k == 0
+            node, a, b, left_mobility, right_mobility, is_left_end
         )
         force = node.force
 
@@ -218,19 +228,22 @@ def advance(state: State, horizon: int) -> int:
                 # a' = b + 2 F Y2
                 wave = b + 2 * force * right_mobility
             line = lines[l]
-            last_row = line.last_row  # NONE on a line out of the row
+            last_row = line.last_row  # NONE on a line that leads out of the row
             if last_row != NONE and abs(wave - log[last_row].value) > tolerance:
                 send(line, log, rows, tick, l, wave)
                 if line.next_row == NONE:  # no other front is in flight
                     line.next_row = rows
                     line.arrival_tick = tick + segments[k + side].transit
-                    neighbour = leaf - 1 + 2 * side  # the leaf before or behind
+                    # The front arrives at node k - 1 or k + 1.
+                    neighbour = leaf - 1 + 2 * side
                     if line.arrival_tick < queue[neighbour]:
                         event_queue.schedule(queue, neighbour, line.arrival_tick)
                 rows += 1
 
-        if node.status == Status.OPEN:
-            next_tick = contact.find_closing_tick(node, tick, next_tick, window)
+        # The next event of this node
+        next_tick = next_arrival
+        if node.status == Status.OPEN:  # its gap may close before the next arrival
+            next_tick = contact.find_closing_tick(node, tick, next_arrival, window)
         event_queue.schedule(queue, leaf, next_tick)
         run.now = tick
         events += 1
@@ -302,6 +315,6 @@ def advance_totals_to(state: State, tick: int) -> None:
     for k in range(len(state.nodes)):
         node: Node = state.nodes[k]
         dt = tick - node.solved_tick
-        contact.accumulate_contact_totals(node, dt, run.closing_window)
+        contact.accumulate_contact_totals(node, dt, run.round_off_window)
         node.gap = node.gap + node.gap_rate * dt
         node.solved_tick = tick

@@ -39,10 +39,13 @@ has passed.
 """
 
 TRANSIT_RTOL = 2.0**-48  # a smaller relative change of a transit time is round-off
-CLOSING_WINDOW_BITS = 40
-"""A closing within 2^-40 longest transits of an arrival is moved to that arrival:
-otherwise round-off between both makes waves one tick wide, which multiply."""
-MIN_TRANSIT_WINDOWS = 4  # a transit must exceed so many closing windows
+ROUND_OFF_WINDOW_BITS = 40
+"""Times that differ by 2^-40 longest transits or less differ by round-off.
+
+A closing so near to an arrival is moved to that arrival: otherwise round-off between
+both makes waves one tick wide, which multiply.
+"""
+MIN_TRANSIT_WINDOWS = 4  # a transit must exceed so many round-off windows
 
 
 def frame_index(n: int) -> int:
@@ -125,7 +128,7 @@ def choose_clock(state: State, values: Values) -> None:
             durations, longest_bits, run.drive_jump_count
         )
     run.tick_duration = run.longest_transit_time / run.longest_ticks
-    run.closing_window = max(1, run.longest_ticks >> CLOSING_WINDOW_BITS)
+    run.round_off_window = max(1, run.longest_ticks >> ROUND_OFF_WINDOW_BITS)
     run.velocity_tolerance = FRONT_VELOCITY_RTOL * run.velocity_scale
     set_transits(run, values, durations, segments)
     run.stop_reason = find_clock_fault(run, values, segments, bits)
@@ -302,7 +305,7 @@ def find_clock_fault(
 
     In this order: energies would overflow (OVERFLOW), the run is too long (LONG:
     `bits`, the base-2 logarithm of the longest transit in ticks, are too few), or the
-    shortest transit is too short beside the closing window (SHORT).
+    shortest transit is too short beside the round-off window (SHORT).
     """
     n = len(segments) - 2
     max_impedance = 0.0
@@ -318,7 +321,7 @@ def find_clock_fault(
     if bits < rule.MIN_TRANSIT_BITS:
         return Stop.LONG.value
     shortest_transit = segments[run.shortest_segment].transit
-    if shortest_transit <= MIN_TRANSIT_WINDOWS * run.closing_window:
+    if shortest_transit <= MIN_TRANSIT_WINDOWS * run.round_off_window:
         return Stop.SHORT.value
     return Stop.NONE.value
 

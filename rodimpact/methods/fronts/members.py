@@ -165,7 +165,7 @@ def store_member_result(state: State, results: Sequence[NodeResult]) -> None:
         result.initial_momentum = segment.initial_momentum * tick_duration
         result.max_wave_difference = segment.max_wave_difference
         result.impulse = node.impulse * tick_duration
-        # Integrated by parts, the impulse over time is J t - integral(F t dt).
+        # integral(J dt) up to t is J t - integral(F t dt), by parts.
         result.impulse_time_integral = node.impulse * tick_duration * time - moment
         result.peak_force = node.peak_force
         result.duration = node.force_ticks * tick_duration

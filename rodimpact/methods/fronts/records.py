@@ -95,7 +95,7 @@ class Node:
     impulse: Amplitude
     work: Amplitude  # energy handed from left to right
     impulse_moment: Amplitude  # integral(F t dt)
-    peak_force: Amplitude  # largest force that lasted longer than `Run.closing_window`
+    peak_force: Amplitude  # largest force that lasted over `Run.round_off_window`
     first_force_tick: Tick  # or NONE
     last_force_tick: Tick  # or NONE
     last_opening_tick: Tick  # last opening of the gap after a force, or NONE
@@ -193,7 +193,8 @@ class Run:
     frame_velocity: Amplitude  # m/s
     velocity_scale: float  # m/s
     velocity_tolerance: Amplitude  # smallest change of a wave that is a front, m/s
-    closing_window: int  # ticks by which a closing may move to an arrival
+    round_off_window: int  # ticks: a wave or force that lasts no longer comes of
+    # round-off, and a closing so near to an arrival moves to it
     end_tick: Tick  # tick to run to; NONE: to the proof
     ticks_after_proof: Tick  # ticks to run on after the proof
 

@@ -62,7 +62,7 @@ class Simulation(State):
         run.max_events = max_events
         run.velocity_tolerance = tolerance
         # Numbers may be exact, so no closing is moved to an arrival.
-        run.closing_window = 0
+        run.round_off_window = 0
         stop = run_to_end(self)
         while stop == Stop.FULL:
             self._grow_log()

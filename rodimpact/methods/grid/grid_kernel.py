@@ -315,19 +315,20 @@ def kick_radially(
 
     Their change in cell i is, with J and the stiffnesses of `records.Grid`,
 
-        J dq_t = s_i (q[i + 1] - q[i]) - s_(i-1) (q[i] - q[i - 1])
-                 - (G - b^2/k) q[i] - b/k tension[i],
+        J dq_t = s[i] (q[i + 1] - q[i]) - s[i - 1] (q[i] - q[i - 1])
+                 - (G - b^2/k) q[i] - b/k force[i].
 
-    where s_i lies between the cells i and i + 1. The last cell, beyond the right end of
-    the row, keeps its rate.
+    `shear` is s, with s[i] between the cells i and i + 1, `radial_stiffness` is
+    G - b^2/k, `tension_share` is b/k, and `force` has the tensions. The last cell,
+    beyond the right end of the row, keeps its rate.
     """
-    before = 0.0  # shear force from the cell on the left: cell 0 has none
+    shear_on_left = 0.0  # cell 0 has none
     for i in range(len(radial_strain) - 1):
-        after = shear[i] * (radial_strain[i + 1] - radial_strain[i])
+        shear_on_right = shear[i] * (radial_strain[i + 1] - radial_strain[i])
         elastic = radial_stiffness[i] * radial_strain[i]
-        push = after - before - elastic - tension_share[i] * force[i]
+        push = shear_on_right - shear_on_left - elastic - tension_share[i] * force[i]
         radial_rate[i] += inverse_radial_inertia[i] * push
-        before = after
+        shear_on_left = shear_on_right
 
 
 def push_ends(v: Any, force: Any, ends: Any) -> None:
@@ -335,7 +336,8 @@ def push_ends(v: Any, force: Any, ends: Any) -> None:
 
     These are the first and the last entry of `force`; a push is minus a tension. A
     pushed end has the prescribed push. An endless bar of impedance Z that sends a wave
-    pushes with Z (wave - v) at the left end, and with Z (v - wave) at the right end.
+    pushes with Z (wave - v) at the left end, and with Z (v - wave) at the right end;
+    its wave is that of the state at t = 0, `background_wave`, plus the prescribed one.
     At any other end the tension is 0.
     """
     for side in range(2):

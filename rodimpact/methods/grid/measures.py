@@ -6,6 +6,7 @@ have an entry for each step, N, those of gaps one entry more, m.
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -25,59 +26,97 @@ FLAT_RTOL = 1e-9
 """Relative change of forces from step to step that is round-off."""
 
 
+class _Parabola(NamedTuple):
+    """The curve value + slope t + curve t^2, N; t in steps from its first step on."""
+
+    value: float
+    slope: float
+    curve: float
+
+
 def largest_force(force: Floats) -> float:
     """Largest value of a curve whose means over steps are `force` [step], N.
 
-    It is sought in the top step, that with the largest mean. The curve is the parabola
-    with the means of this step and of both neighbours, and its value the vertex, or the
-    mean of the top step if the vertex is outside. Where these steps span a jump or a
-    kink, the curve is the parabola through the top step and two steps on one side, the
-    less curved of both, and its value the vertex or the larger one at an end of the top
-    step. Such a parabola must be smooth, and have much less curvature than the first.
-    Outside the run the force is 0. If no mean is positive, 0 is returned.
+    It is sought in the top step, that with the largest mean. If no mean is positive, 0
+    is returned. Outside the run the force is 0.
+
+    The curve is the parabola with the means of the top step and of both neighbours. Its
+    value is the vertex, or the mean of the top step if the vertex is outside this step.
+    Where these steps span a jump or a kink, the curve is a parabola through the top
+    step and two steps on one side, see `_one_sided_parabola`. Its value is the vertex,
+    or, if that is outside the top step, the larger value at an end of this step.
     """
     if np.max(force, initial=0.0) <= 0:
         return 0.0
     top = int(np.argmax(force))
-    # Two steps more, with the force 0, at both ends: the top step is top + 2 among
-    # them, and in the middle of these five.
+    # `F` is the mean of the top step, with those of two steps before and two after, 0
+    # outside the run: after padding by two steps, the top step is number top + 2.
     earlier, before, F, after, later = np.pad(force, 2)[top : top + 5].tolist()
-    # The curve is value + slope t + curve t^2, t in steps; at t = 0 the first of its
-    # three steps begins.
-    value, slope, curve = _parabola(before, F, after)
-    top_begin = 1  # t where the top step begins, the second of the three
-    largest = F
-    # A parabola on one side is taken if its curvature is less than this.
-    max_curvature = abs(curve) / KINK_CURVATURE_RATIO
-    # On both sides t is counted away from the top step, the first of the three.
-    for second, third in ((after, later), (before, earlier)):
-        a, b, c = _parabola(F, second, third)
-        # The slope changes less in a step, by 2 c, than the mean does.
-        is_nearly_straight = abs(c) < abs(F - second) / 2
-        is_flat = abs(c) <= FLAT_RTOL * F  # constant to round-off
+    central = _parabola(before, F, after)  # the top step is its second one
+    max_curvature = abs(central.curve) / KINK_CURVATURE_RATIO
+    one_sided = _one_sided_parabola(
+        F, ((after, later), (before, earlier)), max_curvature
+    )
+    if one_sided is None:
+        vertex = _vertex_between(central, 1, 2)
+        at_ends = F
+    else:  # the top step is its first one
+        vertex = _vertex_between(one_sided, 0, 1)
+        at_begin = one_sided.value
+        at_end = one_sided.value + one_sided.slope + one_sided.curve
+        at_ends = max(at_begin, at_end)
+    if vertex is None:
+        return float(at_ends)
+    return float(vertex)
+
+
+def _one_sided_parabola(
+    F: float, sides: tuple[tuple[float, float], ...], max_curvature: float
+) -> _Parabola | None:
+    """Parabola with the means of the top step and of two steps on one side of it.
+
+    F is the mean of the top step, N. Each of `sides` has the means of the next step on
+    a side, and of the one after it. t is counted from the top step to that side. The
+    parabola is smooth, and its curvature is less than `max_curvature`; if those on both
+    sides are so, the less curved one is returned, and None if none is.
+    """
+    chosen = None
+    for second, third in sides:
+        parabola = _parabola(F, second, third)
+        curvature = abs(parabola.curve)
+        # Within a step the slope changes less, by 2 c, than the mean does.
+        is_nearly_straight = curvature < abs(F - second) / 2
+        is_flat = curvature <= FLAT_RTOL * F  # constant to round-off
         is_smooth = is_nearly_straight or is_flat
-        if abs(c) < max_curvature and is_smooth:
-            value = a
-            slope = b
-            curve = c
-            top_begin = 0
-            max_curvature = abs(c)  # the other side is taken if it is less curved
-            largest = max(a, a + b + c)  # values at both ends of the top step
-    if curve < 0:
-        vertex = -slope / (2 * curve)
-        if top_begin < vertex < top_begin + 1:
-            largest = value - slope * slope / (4 * curve)
-    return float(largest)
+        if curvature < max_curvature and is_smooth:
+            chosen = parabola
+            max_curvature = curvature  # the other side is taken if it is less curved
+    return chosen
 
 
-def _parabola(first: float, second: float, third: float) -> tuple[float, float, float]:
-    """Parabola a + b t + c t^2 with these means over three steps: a, b and c.
+def _parabola(first: float, second: float, third: float) -> _Parabola:
+    """Parabola with these means over three steps, in N.
 
-    t is counted in steps from the begin of the first one.
+    t is 0 at the begin of the first of them.
     """
     curve = (first - 2 * second + third) / 2
     slope = second - first - 2 * curve
-    return first - slope / 2 - curve / 3, slope, curve
+    return _Parabola(first - slope / 2 - curve / 3, slope, curve)
+
+
+def _vertex_between(parabola: _Parabola, begin: float, end: float) -> float | None:
+    """Largest value of a parabola, N, if it is reached between two times, else None.
+
+    The times `begin` and `end`, in steps, do not count themselves. A parabola that is
+    straight, or has a smallest value, has no largest one.
+    """
+    value, slope, curve = parabola
+    if curve >= 0:
+        return None
+    vertex_time = -slope / (2 * curve)
+    if begin < vertex_time < end:
+        return value - slope * slope / (4 * curve)
+    return None
 
 
 def contact_intervals(force: Floats, gap: Floats, open_gap: float) -> Floats:

@@ -133,16 +133,19 @@ class GridRun:
         if snapshots is None or isinstance(snapshots, int):
             # Two numbers of 8 bytes a node and its cell,
             # twice as many with radial strains
-            state_bytes = 16 * len(mesh.mass) * (1 + mesh.has_radial_strain)
+            state_bytes = 16 * len(mesh.mass)
+            if mesh.has_radial_strain:
+                state_bytes *= 2
             count = snapshots
             if not count:
                 count = max(64, MAX_STATES_BYTES // state_bytes)
             self._max_states = max(count, 3)
         else:
             times = np.array(snapshots) / self.step  # in steps
-            before = np.floor(times)
-            after = np.ceil(times)
-            self._chosen_steps = np.concatenate((before, after, [0.0]))
+            step_before = np.floor(times)
+            step_after = np.ceil(times)
+            at_start = [0.0]  # the state at t = 0 is always kept
+            self._chosen_steps = np.concatenate((step_before, step_after, at_start))
             self._max_states = 3 * len(self._chosen_steps)  # room for threes
         is_damped = bool(mesh.viscous.any())
         self._in_threes = is_damped and self._max_states >= MIN_STATES_IN_THREES
@@ -287,11 +290,12 @@ class GridRun:
     def _run_kernel(
         self, window: StepHistory, end: int, report: Callable[[int], None] | None
     ) -> None:
-        """Take the steps to `end`, in machine code or plain Python, and fill a window.
+        """Take the steps to `end`, and fill the window with their records.
 
-        The grid and the window, for the steps from the present one on, are changed in
-        place; in plain Python lists are made of them, and copied back. `report` is told
-        the steps taken, but not the last.
+        The steps are taken in machine code if that pays, by the estimated time of plain
+        Python. The grid and the window, for the steps from the present one on, are
+        changed in place; in plain Python lists are made of them, and copied back.
+        `report` is told the steps taken, but not the last.
 
         Raises
         ------
@@ -301,12 +305,13 @@ class GridRun:
         first = self.steps
         # Kernels take flat arrays: these share the memory of the window.
         flat_window = StepHistory(*(array.reshape(-1) for array in window))
-        arrays = [*self.grid, *flat_window]
+        records = [*self.grid, *flat_window]  # arrays
         self.grid.run["first_step"] = first
         self.grid.run["kept_states"] = 0
-        numbers = sum(array.nbytes for array in arrays) // 8
+        # Time that the steps take in plain Python, with making and copying lists, s
+        numbers = sum(array.nbytes for array in records) // 8
         plain_seconds = (end - first) * step_time(self.mesh, plain=True)
-        plain_seconds += numbers * kernels.LIST_TIME  # lists are made and copied back
+        plain_seconds += numbers * kernels.LIST_TIME
         is_compiled = kernels.worth_compiling(plain_seconds, grid_kernel.run_steps)
         kernel: Any
         grid: Any = self.grid
@@ -326,9 +331,12 @@ class GridRun:
             if is_solved and report and until < end:
                 report(until)
         if not is_compiled:
-            for array, objects in zip(arrays, [*grid, *history], strict=True):
+            # The lists stand in the order of the arrays that they were made of.
+            lists = [*grid, *history]
+            for array, objects in zip(records, lists, strict=True):
                 array[:] = record_lists.as_records(objects, array.dtype)
         if not is_solved:
+            # `steps` reads the record in which the kernel has counted.
             raise squeezed(self.steps * self.step)
 
     # Results --------------------------------------------------------------------------
@@ -371,7 +379,7 @@ class GridRun:
     def recorded(self, link: int, field: str) -> Array:
         """Values of a field of `SIGNAL` of a link that has a law, [step].
 
-        Time is in steps.
+        Time is in steps. A bond has no law, and raises ValueError.
         """
         column = list(self.mesh.touching).index(link)  # number of the link in the grid
         return np.ascontiguousarray(self.history.signals[:, column][field])
@@ -388,7 +396,7 @@ class GridRun:
             [step + 1].
         """
         link = self.row.contact_link[contact]
-        force = self.recorded(link, "force")
+        force = self.recorded(link, "force")  # a bond has none: ValueError
         gap = self.recorded(link, "gap") * self.step  # the grid divides lengths by it
         first_gap = float(initial_gap(self.row.links[link]))  # at t = 0, m
         return force, np.append(first_gap, gap)

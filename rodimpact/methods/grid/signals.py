@@ -266,14 +266,14 @@ def _pushes_on_nodes(
 
     They are those of contacts and joints on the nodes at both sides, and of `outside`,
     what acts on the left and right end of the row; None is a free end. Nodes without
-    such a force are left out. Of `forces`, those of the contacts, bonds do not count:
-    they lie inside a piece.
+    such a force are left out. `forces`, N [contact][step], are those of all contacts;
+    those of bonds do not count, as a bond lies inside a piece.
     """
     mesh = run.mesh
     pushes: dict[int, Floats] = {}
     for k, force in enumerate(forces):
         link = run.row.contact_link[k]
-        if link in mesh.touching:
+        if link in mesh.touching:  # a contact or a joint, not a bond
             left, right = mesh.touching[link]
             pushes[left] = pushes.get(left, 0.0) - force
             pushes[right] = pushes.get(right, 0.0) + force

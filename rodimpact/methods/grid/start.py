@@ -148,13 +148,15 @@ def _changes_by_driven_ends(mesh: Mesh, step: float, grid: Grid) -> Array:
     Lateral inertia takes neighbours of the end along: the equations are (M + J) dv = 0
     with the jump prescribed at the end. Without driven ends all changes are 0.
     """
-    right_side = np.zeros(len(mesh.mass))  # 0, but the jumps at prescribed nodes
+    # Forces on nodes, 0; at prescribed nodes the equation is dv = right side.
+    right_side = np.zeros(len(mesh.mass))
     at_start = np.zeros(1)  # the time t = 0
     for node, (kind, value) in zip(mesh.ends, mesh.row.boundaries, strict=True):
         if kind == "velocity":
             (velocity,) = scheme.boundary_velocity(mesh.row, step, value, at_start)
             right_side[node] = velocity - grid.velocity[node]
-    off_diagonal = mesh.lateral_inertia / step
+    off_diagonal = mesh.lateral_inertia / step  # with opposite sign [cell]
+    # Node i lies between the cells i and i + 1.
     diagonal = mesh.mass / step + off_diagonal[:-1] + off_diagonal[1:]
     factors = scheme.factorise(mesh, diagonal, off_diagonal)
     return scheme.velocity_changes(factors, right_side)
@@ -246,21 +248,22 @@ def slow_down(mesh: Mesh, step: float, grid: Grid, kick: Array) -> None:
     """Slow down damped ends of rigid contacts that close before the first kick.
 
     An end that closes inside a step is stopped over two steps, so that the mean force
-    is right from then on. Where ends touch at t = 0 the first of the two steps would
-    lie before. Its push takes half of the velocity by which they close, or the part
-    that closes beyond a small gap, see `_late_overlaps`. Velocities, displacements of
-    pieces, lost energy of cells, and `initial_force` and `initial_loss` of these links
-    are changed. `kick` are the changes of velocity by half a kick of the forces at
-    t = 0, m/s [node].
+    is right from then on. Where ends touch at t = 0, the first of the two steps would
+    lie before: its push is made up for here. It takes the velocity `_late_overlaps`
+    from that at which the ends close. Velocities, displacements of pieces, lost energy
+    of cells, and `initial_force` and `initial_loss` of these links are changed. `kick`
+    are the changes of velocity by half a kick of the forces at t = 0, m/s [node].
 
-    Without viscosity nothing is done, and all follows half a step late: a sharp front
-    that comes back to a contact at a kick, as it left it, opens it as it closed, and
-    ends get back the energy that they lost.
+    Without viscosity `_late_overlaps` are 0, and nothing is done: such ends begin to
+    slow down half a step late, which does no harm. A sharp front comes back to the
+    contact just at a kick and opens it in the same way. Then the ends get back the
+    energy that they lost as they closed.
     """
     v = grid.velocity
     links = grid.links
     left = links["left_node"]
     right = links["right_node"]
+    # m/s: lengths are divided by the step
     late_overlap = _late_overlaps(mesh, step, grid, kick)
     is_late = late_overlap > 0
     if not is_late.any():
@@ -268,13 +271,12 @@ def slow_down(mesh: Mesh, step: float, grid: Grid, kick: Array) -> None:
     # The pushes are blows at t = 0, in which damping of soil takes no part.
     factors = scheme.factorise(mesh, grid.diagonal, grid.off_diagonal)
     responses = scheme.responses_to_pushes(mesh, factors)
-    mobility = responses.by_last[left] / 2 + responses.by_first[right] / 2
+    # Closing velocity that a unit push takes away, m/s per N [link]
+    mobility = responses.by_last[left] + responses.by_first[right]
     for i in np.flatnonzero(is_late):
         link = links[i]
         v_before = v.copy()
-        # The push takes the late overlap, m/s, from the closing velocity. Mobilities
-        # have half of a velocity.
-        push = late_overlap[i] / (2 * mobility[i])
+        push = late_overlap[i] / mobility[i]
         on_left = slice(link["leftmost_node"], link["left_node"] + 1)
         on_right = slice(link["right_node"], link["rightmost_node"] + 1)
         v[on_left] -= responses.by_last[on_left] * push
@@ -282,30 +284,33 @@ def slow_down(mesh: Mesh, step: float, grid: Grid, kick: Array) -> None:
         dv = v - v_before
         # As by a kick: the first drift adds half of the new velocity.
         grid.pieces["displacement"] += dv[mesh.starts] / 2
-        # The kinetic energy changes by m v dv with the mean velocity v, that of lateral
-        # inertia by the same with rates of elongation.
+        # Gain of kinetic energy: m v dv with the mean velocity v, and the same of
+        # lateral inertia with rates of elongation
         mean = (v + v_before) / 2
         stretching = _stretching(mean)
         dv_stretching = _stretching(dv)
         by_mass = mesh.mass @ (mean * dv)
         by_lateral_inertia = mesh.lateral_inertia @ (stretching * dv_stretching)
-        kinetic = by_mass + by_lateral_inertia
-        # In steps masses are those of the mesh over the step. The second term is the
-        # work of the present tensions on half a step of dv.
-        gain = kinetic / step + grid.force @ dv_stretching / 2
+        kinetic_gain = by_mass + by_lateral_inertia  # J
+        # Energies of the grid are divided by the step, as time is counted in steps.
+        # Strain energy: the tensions work on half a step of dv.
+        gain = kinetic_gain / step + grid.force @ dv_stretching / 2
         heat = grid.viscous * stretching**2  # [cell]
         grid.lost[:] += heat
         link["initial_force"] = push
-        link["initial_loss"] = -gain - heat.sum()  # what the link itself loses
+        # The bodies lose -gain. What is not heat in the cells is lost in the link.
+        link["initial_loss"] = -gain - heat.sum()
 
 
 def _late_overlaps(mesh: Mesh, step: float, grid: Grid, kick: Array) -> Array:
-    """Overlaps at the first kick that a step before t = 0 would have kept, m/s [link].
+    """Overlaps at the first kick that a push before t = 0 would have avoided [link].
 
-    They are lengths with time in steps. An overlap counts for closed rigid links, with
-    viscosity beside them, whose ends close at more than twice the velocity at which the
-    forces at t = 0 part them; little viscosity lets a share of it count. For all other
-    links it is 0. `kick` is that of `slow_down`.
+    Lengths are in m/s, as time is counted in steps. The overlap is half of the velocity
+    at which the ends close, less half of that at which the forces at t = 0 part them,
+    less the gap. It counts for closed rigid links whose ends close at more than twice
+    the velocity at which they are parted; with little viscosity beside the link only a
+    share of it does. For all other links, and without viscosity, it is 0. `kick` is
+    that of `slow_down`.
     """
     v = grid.velocity
     links = grid.links
