@@ -50,19 +50,21 @@ def measure_segments(state: State) -> None:
             # From the end where the waves arrive, back to the end where they are sent
             r = line.next_row
             wave = line.incoming_wave
-            # Ticks since this wave was first sent, as far as it counts
-            edge = segment.transit
+            # Ticks since this wave was first sent: those of a transit count.
+            first_sent_ago = segment.transit
             while r != NONE:
                 front = log[r]
-                # Ticks over which it was sent, up to `now - front.tick` ticks ago
-                width = edge - now + front.tick
+                # Ticks over which it was sent, up to the front behind it
+                width = first_sent_ago - now + front.tick
                 wave_integral += wave * width
                 square_integral += (wave - mean) * (wave - mean) * width
-                edge = now - front.tick
+                # The next wave is the one behind the front.
+                first_sent_ago = now - front.tick
                 wave = front.value
                 r = front.next_row
-            wave_integral += wave * edge
-            square_integral += (wave - mean) * (wave - mean) * edge
+            # The last wave is still sent.
+            wave_integral += wave * first_sent_ago
+            square_integral += (wave - mean) * (wave - mean) * first_sent_ago
         segment.momentum = impedance * wave_integral / 2
         segment.vibration_energy = impedance * square_integral / 4
 
@@ -147,8 +149,8 @@ def largest_difference(
         a1 = end_tick
         if wave_a.next_row != NONE:
             a1 = min(log[wave_a.next_row].tick, end_tick)
-        # Waves that left the other end a transit before this one do not meet it. They
-        # meet no later one either, so that `row_b` only goes on.
+        # Waves whose last part left the other end a transit before this one do not meet
+        # it. They meet no later one either, so that `row_b` only goes on.
         next_b = log[row_b].next_row
         while next_b != NONE and log[next_b].tick <= a0 - transit:
             row_b = next_b
@@ -159,23 +161,25 @@ def largest_difference(
         lasts_a = a1 - a0 > window  # else this wave comes of round-off
         while lasts_a and r != NONE and log[r].tick < a1 + transit:
             wave_b = log[r]
-            b0 = wave_b.tick
+            b0 = wave_b.tick  # the other wave was sent from b0 to b1
             b1 = end_tick
             if wave_b.next_row != NONE:
                 b1 = min(log[wave_b.next_row].tick, end_tick)
             lasts_b = b1 - b0 > window
-            # Parts of both waves meet, from (low_a + low_b + T)/2 to
-            # (high_a + high_b + T)/2. These times are compared with 0 and the end
-            # without a sum of two ticks, which could overflow.
-            low_a = max(a0, b0 - transit)
-            low_b = max(b0, a0 - transit)
-            high_a = min(a1, b1 + transit)
-            high_b = min(b1, a1 + transit)
-            meet = low_a < high_a and low_b < high_b
-            # (high_a + high_b + T)/2 > 0
-            after_start = high_a > -transit - high_b
-            # (low_a + low_b + T)/2 < end_tick
-            before_end = low_a - end_tick < end_tick - transit - low_b
+            # The part of a that was sent from first_a to last_a meets that of b from
+            # first_b to last_b.
+            first_a = max(a0, b0 - transit)
+            first_b = max(b0, a0 - transit)
+            last_a = min(a1, b1 + transit)
+            last_b = min(b1, a1 + transit)
+            meet = first_a < last_a and first_b < last_b
+            # They meet from (first_a + first_b + T)/2 to (last_a + last_b + T)/2. These
+            # times are compared with 0 and the end without a sum of two ticks, which
+            # could overflow.
+            # (last_a + last_b + T)/2 > 0
+            after_start = last_a > -transit - last_b
+            # (first_a + first_b + T)/2 < end_tick
+            before_end = first_a - end_tick < end_tick - transit - first_b
             if meet and after_start and before_end and lasts_b:
                 largest = max(largest, abs(wave_b.value - wave_a.value))
             r = wave_b.next_row

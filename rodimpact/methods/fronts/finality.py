@@ -181,33 +181,36 @@ def measure_waves(state: State, s: int, now: int) -> None:
     group = segments[s]
     first = group.group_first
     last = group.group_last
-    # Both are summed over either wave: twice the mass, and twice the momentum
-    mass = 0 * lines[2 * first].incoming_wave  # 0 of the same kind of number
-    momentum = mass  # 0, too
+    # Both are summed over either wave, a and b: that is twice mass and momentum.
+    twice_mass = 0 * lines[2 * first].incoming_wave  # 0 of the same kind of number
+    twice_momentum = twice_mass  # 0, too
     lowest = lines[2 * first].incoming_wave
     highest = lowest
     for i in range(first, last + 1):
         impedance = 1 / segments[i].mobility
         transit = segments[i].transit
-        mass += 2 * impedance * transit
+        twice_mass += 2 * impedance * transit
         for l in range(2 * i, 2 * i + 2):
             # From the end where the waves arrive, back to the end where they are sent
             r = lines[l].next_row
             wave = lines[l].incoming_wave
-            edge = transit  # ticks since this wave was first sent, as far as it counts
+            # Ticks since this wave was first sent: those of a transit count.
+            first_sent_ago = transit
             lowest = min(lowest, wave)
             highest = max(highest, wave)
             while r != NONE:
                 front = log[r]
-                low = now - front.tick  # ticks since this wave was last sent
-                momentum += impedance * wave * (edge - low)
-                edge = low
+                last_sent_ago = now - front.tick  # up to the front behind it
+                twice_momentum += impedance * wave * (first_sent_ago - last_sent_ago)
+                # The next wave is the one behind the front.
+                first_sent_ago = last_sent_ago
                 wave = front.value
                 lowest = min(lowest, wave)
                 highest = max(highest, wave)
                 r = front.next_row
-            momentum += impedance * wave * edge
-    group.mean_velocity = momentum / mass
+            # The last wave is still sent.
+            twice_momentum += impedance * wave * first_sent_ago
+    group.mean_velocity = twice_momentum / twice_mass
     group.min_end_velocity = lowest
     group.max_end_velocity = highest
     group.is_end_velocity_bounded = 0
@@ -243,12 +246,10 @@ def bound_deviations(state: State, k: int, now: int) -> None:
 def bound_deviation(state: State, k: int, s: int, now: int) -> None:
     """Set deviation and bound of the end at contact k of the group of segment s.
 
-    They are stored in segment s, and are 0 before, see `bound_deviations`. Segments are
-    taken from the far end to the contact. g grows from g0 to g1 over a segment; its
-    part of integral(g^2 dx/(E A)) is Y T (g0^2 + g0 g1 + g1^2)/3. A wave w about the
-    mean motion, sent over `width` ticks, has the energy w^2 width/(4 Y), the momentum w
-    width/(2 Y) and the part w width g/2 of integral(strain g dx), positive in b and
-    negative in a. The bound stays 0 where the motion is steady.
+    They are stored in segment s, and are 0 before: see `bound_deviations` for their
+    equations and g. The deviation is in m/s times ticks, positive to the right. Where
+    no front is in flight it does not change, and the bound stays 0, unless a
+    semi-infinite bar holds a group that is pressed.
     """
     segments = state.segments
     log = state.log
@@ -260,57 +261,62 @@ def bound_deviation(state: State, k: int, s: int, now: int) -> None:
     mass = group_mass(segments, first, last, zero)
     has_left_bond = state.nodes[first - 1].status == Status.BOND
     is_anchored = has_left_bond or state.nodes[last].status == Status.BOND
-    far_mobility = zero  # mobility of what holds the far end; 0 of a wall
+    far_mobility = zero  # Y of what holds the far end; 0 of a wall
+    g1 = zero  # g at the near end of the segments so far
     if is_anchored:
         far_mobility += far_outside(segments, is_right).mobility
+        g1 = 1 + zero  # g = 1 all over
 
-    mass_fraction = zero  # mass of the segments beyond, over the mass of the group
-    deviation = zero
-    energy = zero
-    taken = zero  # momentum that waves bring to the far end
-    compliance = mass * far_mobility * far_mobility  # m Y^2 of a semi-infinite bar
-    for i in range(last - first + 1):
-        inner = from_far_end(first, last, i, is_right)  # segment
-        transit = segments[inner].transit
-        mobility = segments[inner].mobility
-        g0 = mass_fraction
-        mass_fraction = mass_fraction + transit / (mobility * mass)
-        g1 = mass_fraction
-        if is_anchored:  # g = 1 all over
-            g0 = 1 + zero
-            g1 = g0
+    stretching = zero  # integral(strain g dx)
+    energy = zero  # of vibration, U
+    momentum = zero  # p of the waves, about the mean motion
+    # integral(g^2 dx/(E A)), with m Y^2 of a semi-infinite bar
+    compliance = mass * far_mobility * far_mobility
+    for place in range(last - first + 1):  # from the far end to the contact
+        i = from_far_end(first, last, place, is_right)  # segment
+        transit = segments[i].transit
+        mobility = segments[i].mobility
+        g0 = g1  # g at the far end of this segment
+        if not is_anchored:
+            g1 = g0 + transit / (mobility * mass)
+        # Part of the segment in the integral of g^2, with dx/(E A) = Y dt
         compliance += mobility * transit * (g0 * g0 + g0 * g1 + g1 * g1) / 3
-        for l in range(2 * inner, 2 * inner + 2):
+        for l in range(2 * i, 2 * i + 2):
             is_leftward = l % 2 == 1  # it carries b, not a
-            sign = 1 if is_leftward else -1  # of its part of the deviation
+            sign = 1 if is_leftward else -1  # of the strain (b - a)/(2 c)
             # b runs to a contact on the left of the group, a to one on the right.
             runs_to_contact = is_leftward == is_right
             line = state.lines[l]
             # From the end where the waves arrive, back to the end where they are sent
             r = line.next_row
             wave = line.incoming_wave - group.mean_velocity
-            edge = transit  # ticks since this wave was first sent, as far as it counts
+            # Ticks since this wave was first sent: those of a transit count.
+            first_sent_ago = transit
             is_last = False  # whether this wave is the one that is sent now
             while not is_last:
                 is_last = r == NONE
-                low = 0  # ticks since this wave was last sent
-                if not is_last:
-                    low = now - log[r].tick
-                width = edge - low
+                last_sent_ago = 0
+                if not is_last:  # up to the front behind it
+                    last_sent_ago = now - log[r].tick
+                width = first_sent_ago - last_sent_ago
+                # A wave w has the energy w^2 width/(4 Y), the momentum w width/(2 Y),
+                # and the part +/- w width g/2 in integral(strain g dx).
                 energy += wave * wave * width / (4 * mobility)
-                taken += wave * width / (2 * mobility)
+                momentum += wave * width / (2 * mobility)
                 # Part of the segment that the middle of this wave has covered
-                covered = (edge + low) / (2 * transit)
+                covered = (first_sent_ago + last_sent_ago) / (2 * transit)
                 g = fraction_at(covered, g0, g1, runs_to_contact)
-                deviation += sign * wave * width * g / 2
-                if not is_last:
-                    edge = low
+                stretching += sign * wave * width * g / 2
+                if not is_last:  # the next wave is the one behind the front
+                    first_sent_ago = last_sent_ago
                     wave = log[r].value - group.mean_velocity
                     r = log[r].next_row
-    if is_right:  # stretching moves its left end, at the contact, to the left
-        deviation = -deviation
+    # Stretching moves the right end of a group to the right, its left end to the left.
+    deviation = stretching
+    if is_right:  # its left end is at the contact
+        deviation = -stretching
     # A semi-infinite bar gives way by Y p.
-    group.end_deviation = deviation - far_mobility * taken
+    group.end_deviation = deviation - far_mobility * momentum
     is_steady = no_front_in_flight(state.lines, first, last)
     is_pressing = state.nodes[k].status == Status.PRESS
     if not is_steady or (far_mobility > 0 and is_pressing):

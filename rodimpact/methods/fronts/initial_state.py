@@ -190,11 +190,12 @@ def split_at_jumps(state: State, values: Values) -> int:
                 durations[jump_index].time = time_to_jump
             piece_count += 1
             # The next piece begins at the next jump, if that is inside the segment.
-            x = right
+            next_x = right
             if i < body.velocity_count - 1:
-                x = min(x, values[velocity_jumps + i])
+                next_x = min(next_x, values[velocity_jumps + i])
             if j < body.strain_count - 1:
-                x = min(x, values[strain_jumps + j])
+                next_x = min(next_x, values[strain_jumps + j])
+            x = next_x
             is_inside = x < right
         left = right
     segments[n + 1].first_piece = piece_count
@@ -470,9 +471,9 @@ def append_driven_fronts(
             inward_wave = log[r].value
     value_count = outside.velocity_count  # values of any kind
     start = run.log_rows  # row of the first front of this drive
-    stop_tick = 0  # tick at which the value before stops
+    start_tick = 0  # tick at which value j begins
     j = 0  # number of the value
-    is_last = False
+    is_last = False  # whether value j holds to the end of the run
     while not is_last:
         value = values[outside.profile_offset + j]
         if outside.boundary_kind == BoundaryKind.PUSHED:
@@ -481,9 +482,9 @@ def append_driven_fronts(
             wave = wave_by_strain * value + inward_wave
         else:
             wave = value - run.frame_velocity
-        start_tick = stop_tick
-        is_last = j == value_count - 1
-        if not is_last:  # times of jumps stand behind the values
+        if j == value_count - 1:  # no value follows
+            is_last = True
+        else:  # times of jumps stand behind the values
             jump_time = values[outside.profile_offset + value_count + j]
             is_last = jump_time > run.until
         if is_last:
@@ -493,6 +494,7 @@ def append_driven_fronts(
             stop_tick = max(start_tick, jump_tick)
         if stop_tick > start_tick:
             append_front(run, log, start, start_tick, outside_line, wave)
+        start_tick = stop_tick
         j += 1
 
 

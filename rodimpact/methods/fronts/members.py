@@ -23,11 +23,12 @@ def run_members(state: State) -> bool:
     segments = state.segments
     all_values = state.values
     all_results = state.results
+    # Whether the present member has begun already: the log was full in its run.
     is_resumed = run.stop_reason == Stop.FULL
     if not is_resumed:
         run.member = 0
     while run.member < len(all_results):
-        if not is_resumed:
+        if not is_resumed:  # begin the member
             values = all_values[run.member]
             initial_state.choose_clock(state, values)
             if run.stop_reason == Stop.NONE:  # there is a clock
@@ -35,7 +36,7 @@ def run_members(state: State) -> bool:
                 events.start(state)
                 energy.update_motion(state)
                 energy.store_initial_motion(segments)
-        is_resumed = False
+        is_resumed = False  # the members after it have not begun
         if run.stop_reason < Stop.DONE:  # the member has a clock, and has not ended
             run.stop_reason = run_to_end(state)
             if run.stop_reason == Stop.FULL:

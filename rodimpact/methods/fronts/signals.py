@@ -55,15 +55,16 @@ def waves_by_line(finished: FrontRun) -> Lines:
     log = finished.log
     # Lines 0 and 1 lie outside on the left; a change of status has a line below 0.
     inside = (log["line"] > 1) & (log["line"] < count)
-    log = log[inside]
-    log = log[np.argsort(log["line"], kind="stable")]  # line by line, in order of time
-    # Where the fronts of each line begin in the log, and where the last ones end
-    bounds = np.searchsorted(log["line"], np.arange(count + 1))
+    fronts = log[inside]
+    # Line by line; a stable sort leaves those of a line in order of time.
+    fronts = fronts[np.argsort(fronts["line"], kind="stable")]
+    # Where the fronts of each line begin, and where the last ones end
+    bounds = np.searchsorted(fronts["line"], np.arange(count + 1))
     lines: Lines = []
     for start, stop in pairwise(bounds):
         wave = None
         if stop > start:
-            wave = Pieces(log["tick"][start:stop], log["value"][start:stop])
+            wave = Pieces(fronts["tick"][start:stop], fronts["value"][start:stop])
         lines.append(wave)
     return lines
 
@@ -91,6 +92,7 @@ def contact_signal(
     # The first status begins at tick -1, so that a change at tick 0 comes later.
     statuses = Pieces([-1, *own_changes["tick"]], [first_status, *own_changes["value"]])
 
+    # a and b, and the status, at all ticks at which one of them changes
     from_left = arrivals(finished, lines, k, 0)
     from_right = arrivals(finished, lines, k, 1)
     ticks = each_once([0], from_left.ticks, from_right.ticks, statuses.ticks)
@@ -110,16 +112,19 @@ def contact_signal(
     gap_rate[np.abs(gap_rate) <= finished.run.velocity_tolerance] = 0.0
     # Without the status from tick -1 on, which is no change
     change_ticks = statuses.ticks[1:]
-    gap = gaps_at_starts(ticks, gap_rate, change_ticks, first_gap)
-    gap = np.where(is_open, gap, 0.0)
-    gap_at_end = gap + gap_rate * np.diff(ticks, append=end_tick)
+    gap_if_open = gaps_at_starts(ticks, gap_rate, change_ticks, first_gap)
+    # Gap at both ends of each piece, in velocity times ticks
+    gap_at_start = np.where(is_open, gap_if_open, 0.0)
+    gap_at_stop = gap_at_start + gap_rate * np.diff(ticks, append=end_tick)
 
     episodes: tuple[Episode, ...] = ()
     if closed_status != Status.BOND:
         episodes = episodes_of(change_ticks, statuses.values[1:], clock.tick)
     return ContactSignal(
         force=Pieces(ticks, force),
-        gap=Pieces.lines(ticks, gap * clock.tick, gap_at_end * clock.tick, end_tick),
+        gap=Pieces.lines(
+            ticks, gap_at_start * clock.tick, gap_at_stop * clock.tick, end_tick
+        ),
         closing=Pieces(ticks, -gap_rate),
         episodes=episodes,
     )

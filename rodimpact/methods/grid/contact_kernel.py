@@ -44,10 +44,10 @@ def solve_link(link: Link, c: float) -> tuple[float, float, float]:
 
     It solves x1 = x0 + c - y F(x0, x1), y the self mobility, for F and the overlap x1
     at the end of the step. F of a contact is `contact_laws.mean_force`, and is not
-    negative; a joint is linear, and pulls as well. The link is not changed. Newton's
-    method begins at the guess link.overlap, for a law that yields at the overlap at
-    which it does, or, if x1 is beyond that, at x0 + c. After `MAX_NEWTON_STEPS` the
-    last iterate is returned, without an error.
+    negative. Its equation is solved by Newton's method, from the guess link.overlap
+    for a law that does not yield; after `MAX_NEWTON_STEPS` the last iterate is
+    returned, without an error. A joint is linear, and pulls as well. The link is not
+    changed.
 
     Parameters
     ----------
@@ -74,8 +74,8 @@ def solve_link(link: Link, c: float) -> tuple[float, float, float]:
         F = (k * x0 + slope * c) / divisor
         x1 = x0 + (c - y * k * x0) / divisor
         return F, x1, slope
-    # Newton's method begins at the guess x of x1, on the right of the root if it can:
-    # the residual x - free_x1 + y F(x0, x) rises with x, and is 0 at the root.
+    # First guess x of x1, on the right of the root if it can be: the residual
+    # x - free_x1 + y F(x0, x) rises with x, and is 0 at the root.
     yields = False  # whether x1 is beyond the overlap at which the contact yields
     if link.law == Law.YIELD:
         elastic_limit = link.yield_force / link.stiffness
@@ -88,6 +88,7 @@ def solve_link(link: Link, c: float) -> tuple[float, float, float]:
             x = min(elastic_limit, free_x1)
     else:
         x = min(link.overlap, free_x1)
+    # Newton's method
     F = 0.0
     slope = 0.0  # dF/dx1
     for _ in range(MAX_NEWTON_STEPS):
@@ -164,7 +165,7 @@ def gauss_seidel_sweep(
         `speed` plus the largest of these closings, m/s.
     """
     change = 0.0
-    largest = speed
+    largest_speed = speed
     for i in range(first, last + 1):
         link = links[i]
         c = closing_without_own_force(links, i)
@@ -180,8 +181,8 @@ def gauss_seidel_sweep(
         change = max(change, change_of_force * link.self_mobility)
         link.force = F
         link.force_slope = slope
-        largest = max(largest, speed + abs(F) * link.self_mobility)
-    return change, largest
+        largest_speed = max(largest_speed, speed + abs(F) * link.self_mobility)
+    return change, largest_speed
 
 
 def take_newton_step(links: Any, first: int, last: int) -> None:
@@ -203,14 +204,14 @@ def take_newton_step(links: Any, first: int, last: int) -> None:
         link = links[i]
         before = links[i - 1]
         after = links[i + 1 - len(links)]  # a negative index counts from the end
-        s = link.force_slope
-        if s < 0:
-            # mobility F = closing without F - max_closing
+        if link.force_slope < 0:
+            # mobility F = closing without F - max_closing: s is 1 in this equation
             s = 1.0
             middle = link.self_mobility
             right = link.force_free_closing - link.max_closing
         else:
             # (1 + s mobility) F = F0 + s (closing without F - overlap - gap)
+            s = link.force_slope
             middle = 1 + s * link.self_mobility
             right = link.force + s * (link.force_free_closing - link.overlap - link.gap)
         # The link before is eliminated: its force is before.force - before.upper F.
@@ -241,11 +242,11 @@ def solve_chain(links: Any, first: int, last: int, speed: float) -> bool:
     bodies, whose round-off is no change.
     """
     change = math.inf  # largest change of a closing in the last sweep that is kept
-    largest = speed  # largest speed in it
+    largest_speed = speed  # in it
     newton_taken = False
     sweeps_left = MAX_SWEEPS  # 0 ends the iteration
     while sweeps_left > 0:
-        new_change, new_largest = gauss_seidel_sweep(links, first, last, speed)
+        new_change, new_speed = gauss_seidel_sweep(links, first, last, speed)
         sweeps_left -= 1
         newton_failed = newton_taken and new_change > change / 2
         if newton_failed:  # take the step back, and the sweep after it
@@ -256,14 +257,14 @@ def solve_chain(links: Any, first: int, last: int, speed: float) -> bool:
             change = new_change
             if first == last:
                 change = 0.0  # a sweep solves one link alone
-            largest = new_largest
+            largest_speed = new_speed
             # A Newton step is taken if another sweep is left to judge it.
-            if change > 8 * EPS * largest and sweeps_left > 0:
+            if change > 8 * EPS * largest_speed and sweeps_left > 0:
                 take_newton_step(links, first, last)
                 newton_taken = True
             else:
                 sweeps_left = 0
-    return bool(change <= UNSOLVED_RTOL * largest)
+    return bool(change <= UNSOLVED_RTOL * largest_speed)
 
 
 def start_impacts(links: Any, first: int, last: int, tolerance: float) -> bool:

@@ -73,15 +73,18 @@ def factor(
         upper[i] = upper_here
         inverse_before = inverse
         upper_before = upper_here
-    # The middle node, with one node before it on the left and one on the right
+    # Those of the node on the right of the middle
+    right_inverse = inverse_before
+    right_upper = upper_before
+    # The middle node: both of its neighbours are before it.
     lower[m] = 0.0
     upper[m] = 0.0
     inverse_diagonal[m] = 1.0
     if is_prescribed[m] == 0:
         lower[m] = off_diagonal[m] * left_inverse
-        upper[m] = off_diagonal[m + 1] * inverse_before
+        upper[m] = off_diagonal[m + 1] * right_inverse
         pivot = diagonal[m] - off_diagonal[m] * left_upper
-        pivot -= off_diagonal[m + 1] * upper_before
+        pivot -= off_diagonal[m + 1] * right_upper
         inverse_diagonal[m] = 1 / pivot
 
 
@@ -101,8 +104,9 @@ def substitute(lower: Any, inverse_diagonal: Any, upper: Any, x: Any) -> None:
     n = len(x)
     m = (n - 1) // 2  # the middle node
     last = 2 * m  # mirror of node 0
-    y = 0.0  # value of the node before in the left half
-    z = 0.0  # the same in the right half
+    # To the middle. y and z are values of the node before, in the left and right half.
+    y = 0.0
+    z = 0.0
     # An even n has one node more, without a mirror, at the right end. It comes first;
     # the loop is a condition, run once or not at all.
     for i in range(last + 1, n):
@@ -114,14 +118,16 @@ def substitute(lower: Any, inverse_diagonal: Any, upper: Any, x: Any) -> None:
         x[i] = y
         x[mirror] = z
     # The middle node has both neighbours before it: `upper` is for the right one.
-    y = inverse_diagonal[m] * (x[m] + lower[m] * y + upper[m] * z)
-    z = y
-    x[m] = y
+    x_middle = inverse_diagonal[m] * (x[m] + lower[m] * y + upper[m] * z)
+    x[m] = x_middle
+    # Back. These are solutions at the node after, in the left and right half.
+    x_left = x_middle
+    x_right = x_middle
     for i in range(m - 1, -1, -1):
         mirror = last - i
-        y = inverse_diagonal[i] * x[i] + upper[i] * y
-        z = inverse_diagonal[mirror] * x[mirror] + upper[mirror] * z
-        x[i] = y
-        x[mirror] = z
+        x_left = inverse_diagonal[i] * x[i] + upper[i] * x_left
+        x_right = inverse_diagonal[mirror] * x[mirror] + upper[mirror] * x_right
+        x[i] = x_left
+        x[mirror] = x_right
     for i in range(last + 1, n):  # the node without a mirror comes last
-        x[i] = inverse_diagonal[i] * x[i] + upper[i] * z
+        x[i] = inverse_diagonal[i] * x[i] + upper[i] * x_right

@@ -46,8 +46,10 @@ from .records import INDEX_MASK, NONE, Run
 def run_steps(grid: Any, history: Any, until: int) -> bool:
     """Take steps until `until` are taken, and fill the window `history` with them.
 
-    A step is drift, kick, contacts, drift; see above. States are kept at the ends of
-    steps.
+    A step is drift, kick, contacts, drift; see above. The grid is left in the state
+    after the last step. The states that `history.when` names are stored at the ends of
+    their steps, also that before the first step. Where a rigid mass is caught, the run
+    ends inside a step.
 
     Parameters
     ----------
@@ -109,6 +111,7 @@ def run_steps(grid: Any, history: Any, until: int) -> bool:
     kept_radial = borrowed(history.radial)
     kept_rate = borrowed(history.radial_rate)
     while True:
+        # The state at the end of the last step is stored if it is wanted.
         if run.kept_states < len(when) and when[run.kept_states] == run.step:
             keep_nodes(run, v, force, stiffness, kept_velocity, kept_force)
             if run.has_radial_strain > 0:
@@ -122,6 +125,7 @@ def run_steps(grid: Any, history: Any, until: int) -> bool:
         if run.step >= until:
             return True
         set_step_inputs(run, v, links, ends, prescribed)
+        # Drift: displacements and forces are those in the middle of the step.
         drift_pieces(pieces, v)
         drift_cells(v, force, stiffness)
         if run.has_radial_strain > 0:
@@ -137,6 +141,8 @@ def run_steps(grid: Any, history: Any, until: int) -> bool:
             )
         push_ends(v, force, ends)
         soil_kernel.move_soil(run, soil, v)
+        # Damping of soil that changes makes the equations of the step anew: their
+        # factors, and the velocities by unit forces. Else these five do nothing.
         soil_kernel.load_equations(run, soil, diagonal, loaded)
         soil_kernel.factor_equations(
             run, off_diagonal, loaded, is_prescribed, lower, inverse_diagonal, upper
@@ -145,6 +151,7 @@ def run_steps(grid: Any, history: Any, until: int) -> bool:
         soil_kernel.solve_equations(run, lower, inverse_diagonal, upper, by_first)
         soil_kernel.solve_equations(run, lower, inverse_diagonal, upper, by_last)
         soil_kernel.renew_mobilities(run, links, by_first, by_last)
+        # Kick: v becomes the velocity at the end of the step, without link forces.
         if run.is_implicit > 0:
             set_right_side(v, force, viscous, old_velocity, change)
             soil_kernel.pull_back(run, soil, v, change)
@@ -154,16 +161,12 @@ def run_steps(grid: Any, history: Any, until: int) -> bool:
         else:
             kick(v, force, inverse_diagonal)
         set_prescribed_velocities(v, ends)
+        # Contacts and joints: their forces change v.
         if not solve_contacts(run, v, links):
             return False
-        push_pieces(
-            v,
-            by_first,
-            by_last,
-            links,
-            run.velocity_tolerance,
-        )
+        push_pieces(v, by_first, by_last, links, run.velocity_tolerance)
         record_links(run, v, links, signals)
+        # Drift to the end of the step, and records of this step
         drift_pieces(pieces, v)
         if run.is_implicit > 0:
             dissipate(v, old_velocity, viscous, lost)

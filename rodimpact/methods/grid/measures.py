@@ -189,40 +189,54 @@ def end_of_force(force: Floats, gap: Floats, i: int, j: int) -> float:
 
     - An overlap, then a gap: the force of a compliant contact ends where the overlap
       does, see `_closing_share`.
-    - An overlap at both: a dashpot lets go. The force falls to 0 along a line from its
-      value at the begin of the step, extrapolated from the two means before. If it
-      pressed for less than three steps, it ends with the step.
-    - No overlap: the contact is rigid. If the last three means fall evenly, it ends
-      where a line through the last two reaches 0, up to half a step later; else it
-      drops to 0 inside the step, after the share `share_of_jump`.
+    - An overlap at both: a dashpot lets go, see `_end_of_dashpot`.
+    - No overlap: the contact is rigid, see `_end_of_rigid_contact`.
     """
     begin = j - 1  # begin of the last step with force
-    first_gap = float(gap[j - 1])  # gaps at its begin and at its end
-    last_gap = float(gap[j])
-    if first_gap < 0 < last_gap:  # the overlap ends inside the step
+    gap_at_begin = float(gap[begin])
+    gap_at_end = float(gap[j])
+    if gap_at_begin < 0 < gap_at_end:  # the overlap ends inside the step
         return begin + _closing_share(gap, i, j)
-    has_three_means = j - i >= 3
-    if has_three_means:
-        third_last = float(force[j - 3])
-        second_last = float(force[j - 2])
-        last = float(force[j - 1])
+    if gap_at_begin < 0:
+        return _end_of_dashpot(force, i, j)
+    return _end_of_rigid_contact(force, i, j)
+
+
+def _end_of_dashpot(force: Floats, i: int, j: int) -> float:
+    """Time at which the force of a dashpot ends that presses in the steps i to j - 1.
+
+    It is in steps. The force falls to 0 along a line from its value at the begin of
+    step j - 1, which is extrapolated from the two means before. If it pressed for less
+    than three steps, it ends with the step.
+    """
+    if j - i < 3:
+        return float(j)
+    third_last, second_last, last = force[j - 3 : j].tolist()
+    at_begin = second_last - (third_last - second_last) / 2
+    if at_begin <= 0:
+        return j - 1.0
+    # The mean of the step is half of the force at its begin, times this time.
+    time_to_zero = 2 * last / at_begin
+    return j - 1 + min(1.0, time_to_zero)
+
+
+def _end_of_rigid_contact(force: Floats, i: int, j: int) -> float:
+    """Time at which a rigid contact lets go that presses in the steps i to j - 1.
+
+    It is in steps. If the last three means fall evenly, the force ends where a line
+    through the last two reaches 0, up to half a step after step j - 1. Else it drops to
+    0 inside this step, after the share `share_of_jump`.
+    """
+    begin = j - 1
+    if j - i >= 3:
+        third_last, second_last, last = force[begin - 2 : j].tolist()
         fall = third_last - second_last
         last_fall = second_last - last
-    if first_gap < 0:  # a dashpot lets go
-        if not has_three_means:
-            return begin + 1.0
-        # Half of the force at the begin of the last step, times the time in which it
-        # falls to 0, is the mean of the step.
-        extrapolated = second_last - fall / 2
-        if extrapolated <= 0:
-            return begin
-        return begin + min(1.0, 2 * last / extrapolated)
-    if has_three_means:
-        # It falls evenly: at least half and at most twice as fast as before.
-        is_even = 0 < fall <= 2 * last_fall <= 4 * fall
-        # It has the last mean in the middle of the last step, and reaches 0 within a
-        # step from there.
-        if is_even and last <= last_fall:
+        # At least half and at most twice as fast as before
+        falls_evenly = 0 < fall <= 2 * last_fall <= 4 * fall
+        # The force is the last mean in the middle of the last step, and falls by
+        # `last_fall` in a step.
+        if falls_evenly and last <= last_fall:
             return begin + 0.5 + last / last_fall
     return begin + share_of_jump(force[max(i, j - 4) : j])
 

@@ -153,12 +153,13 @@ class GridMotion(NamedTuple):
         k = self.cells.stiffness[inside]
         # What cells add to M - h^2 K/4 between their nodes
         cell_inertia = self.cells.lateral_inertia[inside] - k * step**2 / 4
+        twice_kinetic = mass @ (v * v) + cell_inertia @ (stretch_rate * stretch_rate)
+        kinetic = float(twice_kinetic) / 2
         k = np.where(k > 0, k, np.inf)  # cells without stiffness have no energy
-        kinetic = float(mass @ (v * v) + cell_inertia @ (stretch_rate * stretch_rate))
-        kinetic = kinetic / 2
         strained = float(np.sum(self.force[state, inside] ** 2 / k)) / 2
         if not self.radial.size:  # no cell has a radial strain
             return kinetic, strained
+        # Those of the radial strains are added.
         J = self.cells.radial_inertia[inside]
         b = self.cells.coupling[inside]
         G = self.cells.radial_stiffness[inside]
@@ -174,13 +175,13 @@ class GridMotion(NamedTuple):
         # belongs to either rod by half.
         shear = self.shear_stiffness[nodes] / 2
         shear[1:-1] *= 2
-        twice_strained = (G - b * b / k) @ q**2 + shear @ q_step**2
+        twice_radial_strained = (G - b * b / k) @ q**2 + shear @ q_step**2
         # v K v without k (stretch rate)^2, which `kinetic` has already
         mixed = 2 * (b * stretch_rate) @ rate
         v_K_v = mixed + G @ rate**2 + shear @ rate_step**2
-        twice_kinetic = J @ rate**2 - step * step / 4 * v_K_v
-        kinetic += float(twice_kinetic) / 2
-        strained += float(twice_strained) / 2
+        twice_radial_kinetic = J @ rate**2 - step * step / 4 * v_K_v
+        kinetic += float(twice_radial_kinetic) / 2
+        strained += float(twice_radial_strained) / 2
         return kinetic, strained
 
 
@@ -563,8 +564,8 @@ def lasting_mode(segments: Sequence[Segment]) -> tuple[float, float]:
     # Unknowns are the displacements of the n nodes, then the radial strains of cells.
     n = len(mass)
     axial_inertia = np.diag(mass) + _chain(cells.lateral_inertia)
-    radial_stiffness = np.diag(cells.radial_stiffness)
-    radial_stiffness = radial_stiffness + _chain(_in_series(cells.shear_stiffness))
+    shear_stiffness = _chain(_in_series(cells.shear_stiffness))
+    radial_stiffness = np.diag(cells.radial_stiffness) + shear_stiffness
     K = block_diag(_chain(cells.stiffness), radial_stiffness)
     # Forces on nodes by radial strains [node, cell], and the transpose of them
     K[:n, n:] = _differences(n).T * cells.coupling

@@ -175,6 +175,7 @@ def side_of(
     v = motion.velocity[0, nodes]
     is_held = bool(mesh.is_prescribed[far]) or Z > 0
     g = mass_beyond(m, right_end, is_held)  # [cell of the group]
+    # Vibration about the mean motion, J
     kinetic, strain = motion.energies(nodes, m, state=0, v=v - mean, step=run.step)
     # Cell i is on the left of node i: the first cell of the group on that of its second
     # node.
@@ -182,9 +183,10 @@ def side_of(
     stretch = elongation[cells].copy()
     compliance = quotient(1.0, mesh.cells.relaxed_stiffness[cells])
     # This enters joints in `stretch` and `compliance`, too.
-    energy, shift_by_momentum = add_joints(
+    energy_with_joints, shift_by_momentum = add_joints(
         run, (first, last), g, stretch, compliance, kinetic + strain
     )
+    energy = max(energy_with_joints, 0.0)  # round-off may be below 0
     deviation = float(stretch @ g) * outward
     # The square of a deviation is at most 2 E times this, m/N.
     compliance_integral = float(g * g @ compliance)
@@ -200,7 +202,6 @@ def side_of(
     if shift_by_momentum > 0:
         by_dashpots = mass * shift_by_momentum * shift_by_momentum
         compliance_integral = 2 * (compliance_integral + by_dashpots)
-    energy = max(energy, 0.0)  # round-off may be below 0
     # Way of the end in half a step with sqrt(2 E/m), its largest velocity
     half_step = run.step * math.sqrt(energy / (2 * mesh.mass[node]))
     bound = math.sqrt(2 * energy * compliance_integral) + half_step

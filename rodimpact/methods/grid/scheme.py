@@ -64,6 +64,7 @@ def grid_of(mesh: Mesh, step: float) -> Grid:
     # Time is counted in steps: M becomes M/h, and a stiffness k becomes k h.
     impedance = _end_impedances(mesh)
     inertia = mesh.mass / step
+    # An endless bar pushes with Z (wave - v), v the mean over the step: half of dv.
     inertia[mesh.ends] += impedance / 2
     off_diagonal = off_diagonal_of(mesh, step)
     # Node i lies between the cells i and i + 1.
@@ -303,10 +304,10 @@ def boundary_values(mesh: Mesh, step: float, side: int, steps: int) -> Array:
     # The kick of a step is in its middle. Waves on the grid can follow means over two
     # steps about it: over four half steps. In time, values need no `length`.
     edges = step / 2 * np.arange(2 * steps + 2)  # of half steps from t = 0 on
-    half_steps = averages(value, edges, length=0.0)
-    # Before t = 0 the value is as in the first half step. Step i has entries 2 i to
-    # 2 i + 3 of this array.
-    half_steps = np.concatenate((half_steps[:1], half_steps))
+    after_start = averages(value, edges, length=0.0)  # [half step]
+    # Before t = 0 the value is as in the first half step.
+    half_steps = np.concatenate((after_start[:1], after_start))
+    # Step i has the entries 2 i to 2 i + 3.
     first = half_steps[:-3:2]
     second = half_steps[1:-2:2]
     third = half_steps[2:-1:2]

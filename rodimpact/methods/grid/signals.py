@@ -203,7 +203,7 @@ def _tally(run: GridRun, k: int, force: Floats, intervals: Floats) -> ContactTal
     if is_impact:
         peak = math.nan
         is_instant = ends - begins <= run.step * (1 + STEP_RTOL)
-        ends = np.where(is_instant, begins, ends)
+        ends = np.where(is_instant, begins, ends)  # such an impact ends as it begins
     first = math.nan
     last = math.nan
     if len(begins):

@@ -58,12 +58,12 @@ def _soil_of_rod(mesh: Mesh, step: float, shaft_index: int, body: int) -> Array:
     half_cell_ultimate = resistances(soil, edges, length)  # N
     mobilised = mobilised_shares(soil, edges, length)  # -1 to 1
     # Sums over the half cells of each node of the rod
-    ultimate = np.bincount(nodes, half_cell_ultimate)
-    resistance = np.bincount(nodes, half_cell_ultimate * mobilised)
-    in_soil = np.flatnonzero(ultimate)  # nodes, counted from the left end of the rod
-    ultimate = ultimate[in_soil]
+    at_nodes = np.bincount(nodes, half_cell_ultimate)
+    mobilised_at_nodes = np.bincount(nodes, half_cell_ultimate * mobilised)
+    in_soil = np.flatnonzero(at_nodes)  # nodes, counted from the left end of the rod
+    ultimate = at_nodes[in_soil]
     # Round-off may leave a resistance beyond the ultimate one.
-    resistance = np.clip(resistance[in_soil], -ultimate, ultimate)
+    resistance = np.clip(mobilised_at_nodes[in_soil], -ultimate, ultimate)
     damping_factor = np.full(len(in_soil), float(soil.damping))
     is_smith = soil.law == SMITH
     if is_smith:
