@@ -24,7 +24,7 @@ def commensurate(seed):
         velocity = ri.Steps(rng.uniform(-1, 1, 2).tolist(), [length / 2])
         strain = ri.Steps(rng.uniform(-1, 1, 2).tolist(), [length / 2])
         area = float(rng.uniform(0.3, 3))
-        rods.append(unit_rod(length, area, velocity=velocity, strain=strain))
+        rods.append(unit_rod(length, area=area, velocity=velocity, strain=strain))
     left = random_end(rng, rods[0], time=1.0, driven=True)
     right = random_end(rng, rods[-1], time=1.0, driven=True)
     bonds = [ri.Bonded()] * (len(rods) - 1)
@@ -39,8 +39,8 @@ def commensurate(seed):
 def by_both_methods(request):
     """Solutions of a random row by fronts and by characteristics."""
     system = commensurate(request.param)
-    fronts = ri.solve(system, 8.0, "fronts")
-    pieces = ri.solve(system, 8.0, "characteristics")
+    fronts = ri.solve(system, until=8.0, method="fronts")
+    pieces = ri.solve(system, until=8.0, method="characteristics")
     return fronts, pieces
 
 
@@ -92,13 +92,15 @@ def with_long_rod():
     # A wave to the right has the velocity -c strain, beside that of the bar.
     velocity = ri.Steps([0.2 - c * value for value in strain.values], places)
     rod = ri.Rod(length, area=1.0, material=FAST, strain=strain, velocity=velocity)
-    return ri.System([rod, BAR, STRUCK], [0.0, 0.1], [ri.Bonded(), ri.Rigid()])
+    return ri.System(
+        [rod, BAR, STRUCK], gaps=[0.0, 0.1], contacts=[ri.Bonded(), ri.Rigid()]
+    )
 
 
 def with_incoming_wave():
     """The bar and the other, with the wave coming in through the end of the bar."""
     incoming = ri.Incoming(ri.Steps(STRAINS, JUMPS))
-    return ri.System([BAR, STRUCK], [0.1], ends=(incoming, ri.Free()))
+    return ri.System([BAR, STRUCK], gaps=[0.1], ends=(incoming, ri.Free()))
 
 
 @pytest.mark.parametrize("mirrored", few_of([False, True], [True]))
@@ -115,8 +117,8 @@ def test_an_incoming_wave_is_that_of_a_long_rod(method, mirrored):
         cut = cut.mirrored()
         bodies = [(1, 1), (0, 0)]
 
-    expected = ri.solve(whole, 5.0, method)
-    solution = ri.solve(cut, 5.0, method)
+    expected = ri.solve(whole, until=5.0, method=method)
+    solution = ri.solve(cut, until=5.0, method=method)
 
     t = np.linspace(0.013, 4.95, 100)
     for body_of_whole, body in bodies:
@@ -144,7 +146,7 @@ def test_an_incoming_wave_brings_its_energy(method, mirrored):
     c = 2.0
     energy = E * A * c * np.sum(durations * np.square(STRAINS[:-1]))
 
-    solution = ri.solve(system.replace(bodies=at_rest), 1.5, method)
+    solution = ri.solve(system.replace(bodies=at_rest), until=1.5, method=method)
 
     assert solution.energy(1.5).radiated == pytest.approx(-energy, rel=1e-13)
 
@@ -156,7 +158,9 @@ def test_an_incoming_wave_brings_its_energy(method, mirrored):
 @pytest.mark.parametrize("seed", few_of(range(30), range(6)))
 def test_the_peak_force_of_any_contact_is_the_largest_of_its_forces(seed):
     system = with_ends(seed)
-    solution = ri.solve(system, horizon(system, 4.0), "fronts", max_events=CAP)
+    solution = ri.solve(
+        system, until=horizon(system, 4.0), method="fronts", max_events=CAP
+    )
     shortest = (
         solution.fields.clock.longest_rod >> 40
     )  # ticks; shorter forces are errors
@@ -200,10 +204,10 @@ def test_an_end_stays_as_near_to_its_mean_motion_as_the_proof_bounds(
     leaving = ri.Rod(0.1, area=1e-4, material=material, velocity=9.0)
     if right:
         leaving = leaving.replace(velocity=-9.0)
-        system = ri.System([leaving, rod], [10.0], ends=(ri.Free(), end))
+        system = ri.System([leaving, rod], gaps=[10.0], ends=(ri.Free(), end))
         x = 0.0
     else:
-        system = ri.System([rod, leaving], [10.0], ends=(end, ri.Free()))
+        system = ri.System([rod, leaving], gaps=[10.0], ends=(end, ri.Free()))
         x = float(rod.length)
     run = tracked(system, 0.0)
     motion = group_of(run, 0, right)
@@ -212,7 +216,7 @@ def test_an_end_stays_as_near_to_its_mean_motion_as_the_proof_bounds(
     velocity = motion.mean_velocity + clock.frame
 
     until = horizon(system, 60.0)
-    solution = ri.solve(system, until, max_events=10 * CAP)
+    solution = ri.solve(system, until=until, max_events=10 * CAP)
 
     assume(solution.stopped_by == "until")
     t = np.linspace(0, until, 2000)
@@ -232,7 +236,7 @@ def test_a_striker_on_an_endless_bar_comes_to_its_end(area):
     """e = (1 - r)/(1 + r), r the ratio of impedances, or 0 if the striker has the
     larger one.
     """
-    rods = [unit_rod(1.0, area, velocity=1e-3), unit_rod(0.5)]
+    rods = [unit_rod(1.0, area=area, velocity=1e-3), unit_rod(0.5)]
     system = ri.System(rods, ends=(ri.Free(), ri.Absorbing()))
 
     solution = ri.solve(system)

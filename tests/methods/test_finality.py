@@ -304,7 +304,7 @@ def test_a_closing_joins_an_arrival_within_the_window(delay):
     arrives there.
     """
     striker = ri.Rod(1.0, area=1.0, material=M, velocity=ri.Steps([1.0, 0.5], [0.5]))
-    system = ri.System([striker, ri.Rod(1.0, area=1.0, material=M)], [1e-3])
+    system = ri.System([striker, ri.Rod(1.0, area=1.0, material=M)], gaps=[1e-3])
     clock = tracked(system, 1.0).clock
     arrival = clock.ticks[1] // 2
     gap = (arrival - delay) * 0.5 * clock.tick  # it closes at 0.5 m/s
@@ -347,7 +347,7 @@ def test_a_vibrating_rod_alone_is_final_at_once():
 @pytest.mark.parametrize(("drift", "stop"), [(1e-4, "final"), (1e-8, "clock")])
 def test_a_slow_drift_is_waited_for_as_long_as_the_clock_counts(drift, stop):
     drifting = ri.Rod(1.0, area=1.0, material=M, velocity=drift)
-    system = ri.System([VIBRATING, drifting], [0.7])
+    system = ri.System([VIBRATING, drifting], gaps=[0.7])
     solution = ri.solve(system, max_events=50_000)
     assert solution.stopped_by == stop
     assert solution.outcome.contacts[0].episodes == 0  # the rods never touch
@@ -381,9 +381,9 @@ def test_the_last_contact_ended_whatever_the_end_and_the_method(
     system = ri.System(PAIR, contacts=[law])
     opening = RIGID_OPENING
     if law == SPRING:
-        opening = ri.solve(system, 9.0).contacts[0].episodes[-1].opening
+        opening = ri.solve(system, until=9.0).contacts[0].episodes[-1].opening
 
-    solution = ri.solve(system, until, method, **options)
+    solution = ri.solve(system, until=until, method=method, **options)
 
     assert solution.t_final == pytest.approx(opening, rel=error)
     assert solution.t_final == solution.contacts[0].episodes[-1].opening
@@ -403,7 +403,7 @@ def test_where_bodies_still_touch_no_end_of_contact_is_stated():
 def test_bodies_that_come_to_rest_together_end_with_their_force(until):
     striker = ri.Rod(0.5, area=1.0, material=M, velocity=1.0)
     system = ri.System([striker, PAIR[1]], ends=(ri.Free(), ri.Absorbing()))
-    assert ri.solve(system, until).t_final == 1.0
+    assert ri.solve(system, until=until).t_final == 1.0
 
 
 def test_bodies_that_are_squeezed_for_ever_have_no_end_of_contact():

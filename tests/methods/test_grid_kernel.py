@@ -376,7 +376,9 @@ def test_what_stops_no_more_than_the_tolerance_is_no_force(
     """A contact without rebound takes half of the closing velocity, 1, as it shuts at
     the kick.
     """
-    system = ri.System([*pair, unit_rod()], [STEP / 2, 10.0], [law, ri.Rigid()])
+    system = ri.System(
+        [*pair, unit_rod()], gaps=[STEP / 2, 10.0], contacts=[law, ri.Rigid()]
+    )
     run = grid_run(system, 1)
     mobility = float(run.grid.links["self_mobility"][0])
     taken_away = 0.5 / mobility * mobility  # as the kernel rounds it
@@ -394,7 +396,7 @@ def test_a_gap_closes_at_its_time_but_not_before_the_first_kick(share):
     `share` of this step. From then on the force of equal bars is Z v/2.
     """
     bars = [unit_rod(velocity=1.0), unit_rod(1.3)]
-    run = grid_run(ri.System(bars, [share * STEP]), 20)
+    run = grid_run(ri.System(bars, gaps=[share * STEP]), 20)
 
     run.advance(20)
 
@@ -408,7 +410,9 @@ def test_a_gap_closes_at_its_time_but_not_before_the_first_kick(share):
 def test_a_mass_squeezed_between_walls_stops_the_run():
     """A rod whose end is nailed down from within is the second wall."""
     laws = [ri.Rigid(restitution=0.5), ri.Rigid()]
-    system = ri.System([ri.Wall(0.5), ri.RigidMass(1.0), unit_rod()], [0.1, 0.1], laws)
+    system = ri.System(
+        [ri.Wall(0.5), ri.RigidMass(1.0), unit_rod()], gaps=[0.1, 0.1], contacts=laws
+    )
     run = grid_run(system, 50)
     # No force changes the velocity of the rod's first node, behind that of the mass.
     rod_node = int(run.grid.links["left_node"][0]) + 2
@@ -449,7 +453,7 @@ def random_far_end(seed):
         bodies.insert(0, mass)
         gaps.insert(0, 0.0)
         laws.insert(0, ri.Bonded())
-    return ri.System(bodies, gaps, laws, ends=(end, ri.Free())), rod
+    return ri.System(bodies, gaps=gaps, contacts=laws, ends=(end, ri.Free())), rod
 
 
 @pytest.mark.parametrize("mirrored", [False, True])

@@ -41,20 +41,20 @@ def velocity_of_driven_rod(t):
 @pytest.mark.parametrize("mass", [None, 0.25])
 def test_the_stated_error_of_a_driven_row_without_a_contact_is_none_too_small(mass):
     """It was 0.0 once; of the rod alone one of 3.5e-7 was not seen."""
-    bodies = [unit_rod(1.0, 2.0, velocity=1.0)]
+    bodies = [unit_rod(1.0, area=2.0, velocity=1.0)]
     contacts = []
     if mass is not None:
         bodies.insert(0, ri.RigidMass(mass, velocity=1.0))
         contacts.append(ri.Bonded())
     drive = ri.Moved(lambda t: -0.7 * math.sin(2.8 * t), duration=5.0)
     system = ri.System(bodies, contacts=contacts, ends=(ri.Free(), drive))
-    solution = ri.solve(system, 4.37, METHOD)
+    solution = ri.solve(system, until=4.37, method=METHOD)
     velocity = solution.outcome.velocities_after[-1]
     if mass is None:
         exact = velocity_of_driven_rod(4.37)
         assert exact == pytest.approx(0.40211153, abs=1e-8)
     else:
-        by_characteristics = ri.solve(system, 4.37, rtol=1e-11)
+        by_characteristics = ri.solve(system, until=4.37, rtol=1e-11)
         exact = by_characteristics.outcome.velocities_after[-1]
         assert exact == pytest.approx(0.9701634, abs=1e-7)
     error = abs(velocity - exact) / solution.fields.clock.scale
@@ -67,7 +67,7 @@ def test_stated_errors_of_bodies_and_joints_are_not_too_small(seed):
     row = random_linear_row(seed)
     until = INTERVALS * UNIT_TIME
     exact = solve_linear_row(row, INTERVALS)
-    solution = ri.solve(system_of(row, until), until, METHOD, rtol=1e-2)
+    solution = ri.solve(system_of(row, until), until=until, method=METHOD, rtol=1e-2)
     # Velocities are as exact beside the largest of them or their scale, impulses beside
     # the largest that any contact has passed on at any time.
     largest_velocity = max(np.abs(exact.velocities).max(), solution.fields.clock.scale)
@@ -110,7 +110,7 @@ SMOOTH = {
         [unit_rod(velocity=0.5)], ends=(ri.Moved(0.5), ri.Free())
     ),
     "pushed as it is strained": ri.System(
-        [unit_rod(1.0, 2.0, **STRAINED)], ends=(ri.Pushed(-0.2), ri.Pushed(-0.2))
+        [unit_rod(1.0, area=2.0, **STRAINED)], ends=(ri.Pushed(-0.2), ri.Pushed(-0.2))
     ),
     "a joint stretched as the rods": ri.System(
         [unit_rod(**STRAINED), unit_rod(**STRAINED)],

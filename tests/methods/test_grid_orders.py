@@ -27,7 +27,7 @@ def errors_at(system, until, cells, times, exact, gap=0.0):
     The rod comes to the wall of the exact solution `gap` m further and, at 1 m/s, as
     many seconds later.
     """
-    solution = ri.solve(system, until, METHOD, cells=cells)
+    solution = ri.solve(system, until=until, method=METHOD, cells=cells)
     errors = []
     for name in FIELDS:
         values = getattr(solution, name)(0, PLACES[:, None], times + gap)
@@ -61,7 +61,7 @@ def test_errors_of_a_damped_rod_that_falls_on_a_wall_are_of_order_two(viscosity,
 @pytest.mark.parametrize("viscosity", [0.01, 0.3])
 def test_velocities_do_not_alternate_from_node_to_node(viscosity):
     system = ri.System([damped_rod(viscosity), ri.Wall()])
-    solution = ri.solve(system, 3.0, METHOD, cells=100)
+    solution = ri.solve(system, until=3.0, method=METHOD, cells=100)
     x = np.linspace(0.9, 1.0, 11)  # the last nodes
     for t in (2.5, 2.505, 2.6):
         v = solution.velocity(0, x, t)
@@ -73,9 +73,9 @@ def test_velocities_do_not_alternate_from_node_to_node(viscosity):
 def test_fields_where_few_states_are_kept_are_as_good_as_those_with_all(cells):
     """States come in threes, so that velocities are smoothed as with all states."""
     system = ri.System([damped_rod(0.05), ri.Wall()])
-    full = ri.solve(system, 3.0, METHOD, cells=cells)
+    full = ri.solve(system, until=3.0, method=METHOD, cells=cells)
     t = np.array([0.61, 1.3, 2.618])
-    chosen = ri.solve(system, 3.0, METHOD, cells=cells, snapshots=t)
+    chosen = ri.solve(system, until=3.0, method=METHOD, cells=cells, snapshots=t)
     x = PLACES[:, None]
     # About each time there are two states with their neighbours, and so at the ends.
     assert len(chosen.fields.motion.when) <= 4 * 3 + 4 + 3
@@ -84,7 +84,7 @@ def test_fields_where_few_states_are_kept_are_as_good_as_those_with_all(cells):
         expected = getattr(full, name)(0, x, t)
         assert values == pytest.approx(expected, rel=1e-12, abs=1e-13)
 
-    few = ri.solve(system, 3.0, METHOD, cells=cells, snapshots=40)
+    few = ri.solve(system, until=3.0, method=METHOD, cells=cells, snapshots=40)
     when = few.fields.motion.when  # steps at which states are kept
     assert len(when) <= 40 + 3
     follows_at_once = np.diff(when) == 1
@@ -132,7 +132,7 @@ def test_errors_of_a_mode_are_of_order_two_everywhere(ends, viscosity):
     system = ri.System([rod], ends=ENDS[ends])
     errors = []
     for cells in (50, 100, 200, 400):
-        solution = ri.solve(system, 2.5, METHOD, cells=cells)
+        solution = ri.solve(system, until=2.5, method=METHOD, cells=cells)
         errors_of_mesh = []
         for name, values in exact.items():
             field = getattr(solution, name)(0, PLACES[:, None], times)

@@ -78,7 +78,7 @@ def test_the_stable_step_is_none_too_long_where_sections_and_theories_differ():
 def test_a_step_too_long_for_the_radial_motion_is_refused():
     system = ri.System([rod(segment(1.0))])
     with pytest.raises(ri.InvalidModel, match=r"would be unstable in bodies\.0, where"):
-        ri.solve(system, 1.0, METHOD, dt=0.06)
+        ri.solve(system, until=1.0, method=METHOD, dt=0.06)
 
 
 def test_a_held_rod_strained_evenly_stays_at_rest():
@@ -86,7 +86,7 @@ def test_a_held_rod_strained_evenly_stays_at_rest():
     strained = rod(segment(1.0), strain=1e-3)
     system = ri.System([strained], ends=(ri.Fixed(), ri.Fixed()))
 
-    solution = ri.solve(system, 1.0, METHOD, cells=40)
+    solution = ri.solve(system, until=1.0, method=METHOD, cells=40)
     run = run_grid(build_row(system), 1.0, 10**9, cells=40)
 
     x = np.linspace(0, 1, 21)[:, None]

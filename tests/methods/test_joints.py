@@ -19,7 +19,7 @@ both_methods = pytest.mark.parametrize("method", METHODS)
 
 def solve_by(method, system, until=None, **options):
     """Solve by a method, with its options of `METHODS`."""
-    return ri.solve(system, until, method, **METHODS[method], **options)
+    return ri.solve(system, until=until, method=method, **METHODS[method], **options)
 
 
 def quick_rod(length=1.0, **state):
@@ -49,7 +49,7 @@ def chain_of_masses():
         ri.Joint(STIFFNESS[1], DAMPING),
         ri.Rigid(),
     ]
-    return ri.System(bodies, [0.0, 0.0, 100.0], laws)
+    return ri.System(bodies, gaps=[0.0, 0.0, 100.0], contacts=laws)
 
 
 def exact_chain(times):
@@ -60,7 +60,10 @@ def exact_chain(times):
     K = np.array([[k0 + k1, -k1], [-k1, k1]])
     C = DAMPING * np.array([[1.0, -1.0], [-1.0, 1.0]])
     inverse = np.diag(1 / np.array(MASSES))
-    A = np.block([[np.zeros((2, 2)), np.eye(2)], [-inverse @ K, -inverse @ C]])
+    # M x'' + C x' + K x = 0 as rates of (x, x')
+    rates_of_stretches = [np.zeros((2, 2)), np.eye(2)]
+    rates_of_velocities = [-inverse @ K, -inverse @ C]
+    A = np.block([rates_of_stretches, rates_of_velocities])
     start = np.array([STRETCH, STRETCH, 0.0, 1.0])
     return np.array([expm(A * time) @ start for time in times])
 
@@ -73,7 +76,7 @@ def test_a_chain_of_masses_swings_as_its_matrix_says(method, residual):
     times = np.arange(0, 6, 1 / 8)
     first, second, _, velocity = exact_chain(times).T
 
-    solution = solve_by(method, chain_of_masses(), 6.0)
+    solution = solve_by(method, chain_of_masses(), until=6.0)
 
     wall_spring, dashpot, _ = solution.contacts
     assert wall_spring.gap(times) == pytest.approx(first, abs=1e-3)
@@ -84,7 +87,7 @@ def test_a_chain_of_masses_swings_as_its_matrix_says(method, residual):
     stored = STIFFNESS[0] * STRETCH**2 / 2
     assert energy.contact[0] == pytest.approx(stored, rel=1e-14)
     assert np.diff(energy.dissipated).min() >= 0
-    assert energy.dissipated[-1] > 0.1
+    assert energy.dissipated[-1] > 0.1  # J, of 0.41 at the start
 
 
 # The proof that a collision is over
@@ -95,25 +98,26 @@ def test_a_chain_of_masses_swings_as_its_matrix_says(method, residual):
 def test_a_joined_mass_and_rod_are_struck_as_one_body(method):
     """They go on with one velocity, and the contact with the striker is proved over."""
     bodies = [unit_rod(velocity=1.0), ri.RigidMass(0.5), quick_rod()]
-    system = ri.System(bodies, contacts=[ri.Rigid(), ri.Joint(2.0, 0.1)])
+    joint = ri.Joint(2.0, damping=0.1)
+    system = ri.System(bodies, contacts=[ri.Rigid(), joint])
 
     solution = solve_by(method, system)
+    longer = solve_by(method, system, until=5 * solution.t_final)
 
     outcome = solution.outcome
     assert solution.final
-    assert outcome.unilateral == (0,)
+    assert outcome.unilateral == (0,)  # contacts, of which the joint is none
+    assert solution.contacts[1].episodes == ()
     striker, mass, rod = outcome.velocities_after
     assert mass == rod
     assert mass > striker
     momentum = outcome.masses @ np.array(outcome.velocities_after)
-    assert momentum == pytest.approx(1.0, abs=1e-12)
-    assert outcome.restitution == pytest.approx(mass - striker, abs=1e-14)
-    assert solution.contacts[1].episodes == ()
-
-    longer = solve_by(method, system, 5 * solution.t_final)
+    assert momentum == pytest.approx(1.0, abs=1e-12)  # that of the striker, 1 kg
+    parting = mass - striker  # the closing velocity was 1 m/s
+    assert outcome.restitution == pytest.approx(parting, abs=1e-14)
     assert_last_contact_is_the_same(longer, solution)
-    gap = longer.contacts[0].gap(np.linspace(solution.t_proved, longer.t_end, 200))
-    assert gap.min() > 0
+    times = np.linspace(solution.t_proved, longer.t_end, 200)
+    assert longer.contacts[0].gap(times).min() > 0
 
 
 def assert_last_contact_is_the_same(longer, solution):
@@ -124,20 +128,20 @@ def assert_last_contact_is_the_same(longer, solution):
 
 @both_methods
 @pytest.mark.parametrize(
-    "joint", [ri.Joint(0.0, 0.5), ri.Joint(0.5)], ids=["dashpot", "spring"]
+    "joint", [ri.Joint(0.0, damping=0.5), ri.Joint(0.5)], ids=["dashpot", "spring"]
 )
-def test_the_proof_counts_on_how_far_a_joint_gives_way(method, joint):
-    """What leaves slowly may still be caught by the swing of what hangs on the other
-    side.
+def test_a_row_with_a_joint_is_proved_final_only_after_its_last_contact(method, joint):
+    """The proof counts on how far a joint gives way: what leaves slowly may still be
+    caught by the swing of what hangs on the other side.
     """
     bodies = [unit_rod(velocity=0.99), unit_rod(velocity=1.0), quick_rod(velocity=-0.9)]
-    system = ri.System(bodies, [0.3, 0.0], [ri.Rigid(), joint])
+    system = ri.System(bodies, gaps=[0.3, 0.0], contacts=[ri.Rigid(), joint])
 
     solution = solve_by(method, system)
+    longer = solve_by(method, system, until=4 * solution.t_final)
 
     assert solution.final
-    assert solution.outcome.contacts[0].episodes >= 1
-    longer = solve_by(method, system, 4 * solution.t_final)
+    assert solution.outcome.contacts[0].episodes >= 1  # though the gap widens at first
     assert_last_contact_is_the_same(longer, solution)
 
 
@@ -179,17 +183,19 @@ def test_an_end_beyond_joints_is_where_the_proof_says_and_stays_within_its_bound
     stretches. By how much a dashpot gives way is bounded, but not stated.
     """
     laws = [*joints, ri.Rigid()]
-    system = ri.System([*bodies, unit_rod()], [0.0, 0.0, 90.0], laws)
-    steps = [0, 64, 320, 640, 1280]
+    system = ri.System([*bodies, unit_rod()], gaps=[0.0, 0.0, 90.0], contacts=laws)
+    steps = [0, 64, 320, 640, 1280]  # of 1/64 s
     times = np.array(steps[1:]) / 64
-    solution = ri.solve(system, 20.0, "finite-difference", dt=1 / 64)
-    displacements = solution.displacement(2, 1.0, times)
+    solution = ri.solve(system, until=20.0, method="finite-difference", dt=1 / 64)
+    displacements = solution.displacement(2, 1.0, times)  # of the right end of the rod
 
-    (V, deviation, bound), *later_sides = sides_of(system, steps)
+    side_at_start, *later_sides = sides_of(system, steps)
 
+    V, deviation, bound = side_at_start
     deviations = displacements - V * times + deviation
-    assert np.abs(deviations).max() <= bound
-    assert np.abs(deviations).max() > bound / 10  # a bound that says something
+    largest_deviation = np.abs(deviations).max()
+    assert largest_deviation <= bound
+    assert largest_deviation > bound / 10  # a bound that says something
     for later_deviation, side in zip(deviations, later_sides, strict=True):
         velocity, stated_deviation, later_bound = side
         assert velocity == pytest.approx(V, abs=1e-10)
@@ -204,14 +210,16 @@ def test_an_end_beyond_joints_is_where_the_proof_says_and_stays_within_its_bound
 
 @both_methods
 def test_a_compressed_joint_sets_a_row_at_rest_in_motion(method):
-    """So far that a rod strikes the next one."""
+    """So far that the second rod strikes the third."""
     system = ri.System(
         [unit_rod(), unit_rod(), unit_rod()],
-        [0.0, 0.02],
-        [ri.Joint(2.0, stretch=-0.1), ri.Rigid()],
+        gaps=[0.0, 0.02],
+        contacts=[ri.Joint(2.0, stretch=-0.1), ri.Rigid()],
         ends=(ri.Fixed(), ri.Free()),
     )
+
     outcome = solve_by(method, system, max_events=20_000).outcome
+
     assert outcome.contacts[1].episodes >= 1
     assert outcome.velocities_after[2] > 0
 
@@ -219,19 +227,22 @@ def test_a_compressed_joint_sets_a_row_at_rest_in_motion(method):
 @both_methods
 def test_a_stretched_joint_holds_prestressed_rods_at_rest(method):
     """Rods under tension between fixed ends."""
-    tension = 0.02
-    E = QUICK.youngs_modulus
-    rods = [unit_rod(strain=tension), quick_rod(strain=tension / (E * 0.7))]
-    joint = ri.Joint(5.0, 0.4, stretch=tension / 5.0)
+    tension = 0.02  # N
+    unit_strain = tension  # E = 1 Pa, A = 1 m^2
+    quick_strain = tension / (QUICK.youngs_modulus * 0.7)
+    stiffness = 5.0
+    rods = [unit_rod(strain=unit_strain), quick_rod(strain=quick_strain)]
+    joint = ri.Joint(stiffness, damping=0.4, stretch=tension / stiffness)
     system = ri.System(rods, contacts=[joint], ends=(ri.Fixed(), ri.Fixed()))
 
-    solution = solve_by(method, system, 3.0)
+    solution = solve_by(method, system, until=3.0)
 
     times = np.linspace(0, 3, 50)
     force = solution.contacts[0].force(times)
-    assert force == pytest.approx(np.full(50, -tension), abs=1e-14)
-    assert np.abs(solution.velocity(0, 0.7, times)).max() < 1e-14
-    stored = tension**2 / (2 * 5.0)
+    assert force == pytest.approx(-tension, abs=1e-14)
+    velocity = solution.velocity(0, 0.7, times)
+    assert np.abs(velocity).max() < 1e-14
+    stored = tension**2 / (2 * stiffness)
     assert solution.outcome.contact_energy_before == pytest.approx(stored)
 
 
@@ -243,12 +254,13 @@ def distance_at_joint(solution):
 
 
 def test_a_state_goes_on_with_its_stretch():
+    """Of the joint, so that its rods have no gap and the right distance."""
     rods = [unit_rod(velocity=1.0), quick_rod()]
-    system = ri.System(rods, contacts=[ri.Joint(3.0, 0.4)])
-    whole = solve_by("characteristics", system, 4.0)
+    system = ri.System(rods, contacts=[ri.Joint(3.0, damping=0.4)])
+    whole = solve_by("characteristics", system, until=4.0)
     joint = whole.contacts[0]
 
-    second_part = solve_by("characteristics", whole.system_at(1.5), 2.5)
+    second_part = solve_by("characteristics", whole.system_at(1.5), until=2.5)
 
     assert second_part.system.gaps == (0.0,)
     stretch = second_part.system.contacts[0].stretch
@@ -265,7 +277,10 @@ def test_a_state_goes_on_with_its_stretch():
 
 
 def test_ever_stiffer_joints_come_to_a_bond():
+    """A joint 100 times as stiff is more than 10 times as near to it."""
+
     def restitution_with(law):
+        """Restitution of a rod that strikes two rods which the law joins."""
         bodies = [unit_rod(velocity=1.0), unit_rod(0.5), quick_rod()]
         system = ri.System(bodies, contacts=[ri.Rigid(), law])
         return ri.solve(system, method="characteristics").outcome.restitution
@@ -273,8 +288,10 @@ def test_ever_stiffer_joints_come_to_a_bond():
     bonded = restitution_with(ri.Bonded())
     stiff = restitution_with(ri.Joint(1e3))
     stiffer = restitution_with(ri.Joint(1e5))
-    assert abs(stiffer - bonded) < 1e-3
-    assert abs(stiffer - bonded) < abs(stiff - bonded) / 10
+
+    error = abs(stiffer - bonded)
+    assert error < 1e-3
+    assert error < abs(stiff - bonded) / 10
 
 
 PAIR = [unit_rod(), unit_rod()]
@@ -292,7 +309,7 @@ MISTAKES = {
         {"stiffness": "", "damping": "", "stretch": ""},
     ),
     "a gap": (
-        lambda: ri.System(PAIR, [1e-3], [ri.Joint(1.0)]),
+        lambda: ri.System(PAIR, gaps=[1e-3], contacts=[ri.Joint(1.0)]),
         {"gaps.0": "must be 0 where bodies are joined, got 0.001; a Joint takes"},
     ),
     "a dashpot backwards in time": (
@@ -300,7 +317,7 @@ MISTAKES = {
         {"contacts.0.damping": ""},
     ),
     "too stiff": (
-        lambda: ri.solve(ri.System(PAIR, contacts=[ri.Joint(1e30)]), 1.0),
+        lambda: ri.solve(ri.System(PAIR, contacts=[ri.Joint(1e30)]), until=1.0),
         {"contacts.0.stiffness": "use Bonded()"},
     ),
 }

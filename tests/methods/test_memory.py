@@ -43,7 +43,7 @@ def peak_bytes(call):
 
 def solve_and_read(system, until):
     """Solve on a grid, and ask for all that tables and figures need."""
-    solution = ri.solve(system, until, "finite-difference", cells=40)
+    solution = ri.solve(system, until=until, method="finite-difference", cells=40)
     str(solution)
     solution.energy(np.linspace(0.0, solution.t_end, 20))
 
@@ -85,7 +85,13 @@ def test_snapshots_that_are_too_many_are_refused_before_they_take_memory(
     def solve():
         message = r"snapshots: .*needs .* GB of memory, .* GB; "
         with pytest.raises(memory.TooLong, match=message):
-            ri.solve(PAIR, 1.0, "finite-difference", cells=100, snapshots=snapshots)
+            ri.solve(
+                PAIR,
+                until=1.0,
+                method="finite-difference",
+                cells=100,
+                snapshots=snapshots,
+            )
 
     assert peak_bytes(solve) < 1e8
 
@@ -125,8 +131,10 @@ def test_fronts_that_multiply_for_ever_are_refused(monkeypatch, run):
 
 @pytest.mark.exhaustive
 def test_many_steps_on_the_grid_keep_every_velocity_of_a_mass():
-    row = ri.System([ri.RigidMass(1.0, velocity=1.0), rod(0.5)], [1e3])
-    solution = ri.solve(row, 2.0**17 * 1e-5 + 1.0, "finite-difference", cells=8)
+    row = ri.System([ri.RigidMass(1.0, velocity=1.0), rod(0.5)], gaps=[1e3])
+    solution = ri.solve(
+        row, until=2.0**17 * 1e-5 + 1.0, method="finite-difference", cells=8
+    )
     assert solution.run.end > 2**17 * solution.fields.resolution  # 2^17 steps
     assert solution.outcome.velocities_after == (1.0, 0.0)
 

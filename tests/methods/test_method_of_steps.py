@@ -73,7 +73,7 @@ def errors_of(solution, by_steps):
 @pytest.mark.parametrize("row", rows(12, 1))
 def test_random_rows_are_right_to_the_stated_error(row):
     system, until, by_steps = solved_by_steps(*row)
-    solution = ri.solve(system, until, "characteristics")
+    solution = ri.solve(system, until=until, method="characteristics")
     is_ill_conditioned = by_steps.faint.max() > MAX_FAINT_TIME
     for name, error in errors_of(solution, by_steps).items():
         if name in ("duration", "time") and is_ill_conditioned:
@@ -92,8 +92,8 @@ def test_two_runs_that_miss_a_peak_alike_do_not_hide_its_error(seed, rtol):
     pieces.
     """
     system, until = random_compliant_row("dashpot", seed)
-    solution = ri.solve(system, until, "characteristics", rtol=rtol)
-    exact = ri.solve(system, until, "characteristics", rtol=1e-13)
+    solution = ri.solve(system, until=until, method="characteristics", rtol=rtol)
+    exact = ri.solve(system, until=until, method="characteristics", rtol=1e-13)
     peaks = np.array([c.peak_force for c in solution.run.contacts])
     exact_peaks = np.array([c.peak_force for c in exact.run.contacts])
     error = np.abs(peaks - exact_peaks).max() / exact_peaks.max()
@@ -107,7 +107,7 @@ def test_half_of_the_stated_errors_of_velocities_are_below_100_times_the_true_on
     for kind in KINDS:
         for seed in range(4):
             system, until, by_steps = solved_by_steps(kind, seed)
-            solution = ri.solve(system, until, "characteristics")
+            solution = ri.solve(system, until=until, method="characteristics")
             error = errors_of(solution, by_steps)["velocity"]
             ratios.append(solution.accuracy["velocity"] / max(error, 1e-15))
     assert np.median(ratios) < 100
@@ -124,7 +124,7 @@ def touching_rods(*contacts):
     rods = [
         unit_rod(0.8),
         unit_rod(0.73),
-        unit_rod(0.36, 0.85, velocity=-1.0),
+        unit_rod(0.36, area=0.85, velocity=-1.0),
     ]
     return ri.System(rods, contacts=contacts)
 
@@ -137,7 +137,9 @@ def test_no_force_acts_before_a_wave_can_arrive(first, exponent, stiffness):
     first_law = law
     if first == "rigid":
         first_law = ri.Rigid()
-    solution = ri.solve(touching_rods(first_law, law), 6.0, "characteristics")
+    solution = ri.solve(
+        touching_rods(first_law, law), until=6.0, method="characteristics"
+    )
     assert solution.run.contacts[0].first == pytest.approx(0.73, abs=1e-12)
     before = np.linspace(0.0, 0.73, 4001)[:-1]
     assert not np.any(solution.contacts[0].force(before))
@@ -153,7 +155,7 @@ def test_a_drive_that_starts_late_and_softly_moves_nothing_before():
         contacts=[ri.Hertz(3.0)],
         ends=[ri.Pushed(ri.Samples(force, step=0.01)), ri.Free()],
     )
-    solution = ri.solve(row, 3.0, "characteristics")
+    solution = ri.solve(row, until=3.0, method="characteristics")
     # From t = 1 on the wave takes 0.5 s to the contact, and half of that to the middle.
     assert solution.run.contacts[0].first == pytest.approx(1.5, abs=1e-9)
     assert not np.any(solution.velocity(0, 0.25, np.linspace(0.0, 1.249, 1000)))
@@ -164,7 +166,7 @@ def test_a_force_that_grows_slowly_begins_when_the_contact_closes():
     second.
     """
     system, until = random_compliant_row("dashpot", 4)
-    contact = ri.solve(system, until, "characteristics").run.contacts[1]
+    contact = ri.solve(system, until=until, method="characteristics").run.contacts[1]
     (segment,) = system.bodies[1].segments
     arrival = segment.length / segment.material.wave_speed
     assert contact.first == pytest.approx(arrival, abs=1e-12)
@@ -174,7 +176,7 @@ def test_a_force_that_grows_slowly_begins_when_the_contact_closes():
 def test_a_contact_that_presses_for_a_moment_is_not_missed():
     """Two jumps arrive 7e-5 s apart: the dashpot presses between them."""
     system, until = random_compliant_row("dashpot", 7)
-    solution = ri.solve(system, until, "characteristics")
+    solution = ri.solve(system, until=until, method="characteristics")
     assert solution.run.contacts[0].last == pytest.approx(2.8365247256, abs=1e-9)
 
 
@@ -185,7 +187,7 @@ def test_a_contact_that_presses_for_a_moment_is_not_missed():
 @pytest.mark.parametrize("row", rows(20, 1))
 def test_no_contact_pulls_and_impulses_are_those_of_forces_and_of_momenta(row):
     system, until = random_compliant_row(*row)
-    solution = ri.solve(system, until, "characteristics")
+    solution = ri.solve(system, until=until, method="characteristics")
 
     times = np.linspace(0.0, until, 20_001)
     end = solution.fields.to_ticks(until)
@@ -211,7 +213,7 @@ def test_no_contact_pulls_and_impulses_are_those_of_forces_and_of_momenta(row):
 @pytest.mark.parametrize("exponent", [1.5, 4.0])
 def test_the_end_of_a_rod_is_never_in_tension_where_it_touches(exponent):
     system = touching_rods(*[ri.PowerLaw(0.6, exponent)] * 2)
-    solution = ri.solve(system, 6.0, "characteristics")
+    solution = ri.solve(system, until=6.0, method="characteristics")
     times = np.linspace(0.0, 6.0, 20_001)
     peak = solution.contacts[0].peak_force
     end = solution.axial_force(0, 0.8, times)  # tension is positive
@@ -226,10 +228,10 @@ def test_the_end_of_a_rod_is_never_in_tension_where_it_touches(exponent):
 def test_a_run_that_goes_on_is_as_exact_as_one_that_does_not_stop(row):
     system, until = random_compliant_row(*row)
     half = until / 2
-    whole = ri.solve(system, until, "characteristics", rtol=1e-10)
-    first_part = ri.solve(system, half, "characteristics", rtol=1e-10)
+    whole = ri.solve(system, until=until, method="characteristics", rtol=1e-10)
+    first_part = ri.solve(system, until=half, method="characteristics", rtol=1e-10)
     state = first_part.system_at(half)
-    second_part = ri.solve(state, half, "characteristics", rtol=1e-10)
+    second_part = ri.solve(state, until=half, method="characteristics", rtol=1e-10)
 
     velocities = np.array(second_part.outcome.velocities_after)
     error = np.abs(velocities - whole.outcome.velocities_after).max()
@@ -246,7 +248,7 @@ def velocity_error(solution):
 @pytest.fixture(scope="module")
 def solved():
     rods = touching_rods(ri.Hertz(30.0), ri.Hertz(30.0))
-    return ri.solve(rods, 2.0, "characteristics")
+    return ri.solve(rods, until=2.0, method="characteristics")
 
 
 def test_a_state_carries_the_stated_error_of_its_run_on(solved):
@@ -254,7 +256,7 @@ def test_a_state_carries_the_stated_error_of_its_run_on(solved):
     velocity = state.bodies[1].velocity
     assert isinstance(velocity, ri.Polynomials)
     assert velocity.error == velocity_error(solved)
-    second_part = ri.solve(state, 1.0, "characteristics")
+    second_part = ri.solve(state, until=1.0, method="characteristics")
     assert velocity_error(second_part) >= velocity.error
 
 

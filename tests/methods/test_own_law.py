@@ -51,9 +51,9 @@ def test_a_law_of_ones_own_is_that_of_the_package(name):
     function, law = LAWS[name]
     own_rows = rows_with(ri.Law(function))
     for own_row, row in zip(own_rows, rows_with(law), strict=True):
-        solution = ri.solve(own_row, 1e-3)
+        solution = ri.solve(own_row, until=1e-3)
         outcome = solution.outcome
-        expected = ri.solve(row, 1e-3).outcome
+        expected = ri.solve(row, until=1e-3).outcome
         assert solution.method == "characteristics"
         velocities = pytest.approx(expected.velocities_after, abs=1e-10)
         assert outcome.velocities_after == velocities
@@ -135,9 +135,11 @@ def test_functions_that_numba_has_compiled_run_the_same_compiled(own_laws):
     mass = ri.RigidMass(0.1, velocity=1.0)
     laws = [ri.Law(function) for _, function in own_laws]
     row = ri.System([mass, BAR, ri.RigidMass(0.2)], contacts=laws)
-    plain = ri.solve(row, 1e-3).outcome
+    plain = ri.solve(row, until=1e-3).outcome
     with kernels.forced(compiling=True):
-        assert ri.solve(row, 1e-3).outcome.velocities_after == plain.velocities_after
+        assert (
+            ri.solve(row, until=1e-3).outcome.velocities_after == plain.velocities_after
+        )
 
 
 @pytest.mark.parametrize(

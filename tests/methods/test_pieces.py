@@ -53,65 +53,85 @@ def work():
 
 @pytest.mark.parametrize("degree", range(2 * N - 1))
 def test_integrals_are_exact_to_the_degree_of_radau(degree):
+    """Of x^degree from -1 to 1."""
+    values = (X**degree).tolist()
     exact = (1 - (-1) ** (degree + 1)) / (degree + 1)
-    assert series.integral((X**degree).tolist()) == pytest.approx(exact, abs=1e-14)
+    assert series.integral(values) == pytest.approx(exact, abs=1e-14)
 
 
 def test_the_truncation_estimate_is_the_size_of_the_last_two_coefficients():
     c = random_series(5)
     values = chebyshev.chebval(X, c).tolist()
     tail = abs(c[-2]) + abs(c[-1])
-    assert series.truncation_estimate(values) == pytest.approx(tail, abs=1e-12)
+
+    estimate = series.truncation_estimate(values)
+
+    assert estimate == pytest.approx(tail, abs=1e-12)
 
 
 @pytest.mark.parametrize("seed", range(20))
 def test_the_smallest_value_of_a_series_is_found(seed):
+    """Among 100,001 values of the series, whose smallest is within 1e-6 of it."""
     c = random_series(seed)
     c[0] = 0.0
-    smallest = chebyshev.chebval(np.linspace(-1, 1, 100_001), c).min()
-    assert series.minimum(c.tolist()) == pytest.approx(smallest, abs=1e-6)
+    values = chebyshev.chebval(np.linspace(-1, 1, 100_001), c)
+
+    minimum = series.minimum(c.tolist())
+
+    assert minimum == pytest.approx(values.min(), abs=1e-6)
 
 
 @pytest.mark.parametrize("end", [-1.0, 1.0])
 def test_slopes_at_the_ends_of_a_piece_are_those_of_numpy(end):
     c = random_series(7)
-    slope = chebyshev.chebval(end, chebyshev.chebder(c))
-    assert series.slope_at_end(c.tolist(), end) == pytest.approx(slope, rel=1e-12)
+    derivative = chebyshev.chebder(c)
+    expected = chebyshev.chebval(end, derivative)
+
+    slope = series.slope_at_end(c.tolist(), end)
+
+    assert slope == pytest.approx(expected, rel=1e-12)
 
 
 @pytest.mark.parametrize("y", [-0.9, 0.1, 1.0])
 def test_a_part_of_a_piece_is_the_same_polynomial(y):
+    """The part from -1 to y; its points take the place of those of the whole."""
     c = random_series(6)
     values = chebyshev.chebval(X, c).tolist()
 
     series.restrict(values, y, work())
 
-    x = (y + 1) * (X + 1) / 2 - 1  # points of the part from -1 to y
-    assert values == pytest.approx(chebyshev.chebval(x, c), abs=1e-13)
+    x = (y + 1) * (X + 1) / 2 - 1  # points of the part
+    expected = chebyshev.chebval(x, c)
+    assert values == pytest.approx(expected, abs=1e-13)
 
 
 @pytest.mark.parametrize("root", [-0.999, -0.2, 0.6180339887498949, 1.0])
-def test_the_first_zero_is_found_to_round_off(root):
-    powers = np.polynomial.polynomial.polyfromroots([root, 3.0])  # positive on the left
-    c = np.append(chebyshev.poly2cheb(powers), np.zeros(POINTS - 3))
+def test_the_first_zero_from_the_left_is_found_to_round_off(root):
+    """Of the parabola (x - root)(x - 3), which is positive on the left."""
+    powers = np.polynomial.polynomial.polyfromroots([root, 3.0])
+    c = np.zeros(POINTS)
+    c[:3] = chebyshev.poly2cheb(powers)
+
     zero = series.first_zero(c.tolist(), -1.0, 1.0)
+
     assert zero == pytest.approx(root, abs=1e-15)
 
 
 @pytest.mark.parametrize("seed", range(8))
 def test_the_maximum_is_missed_by_no_more_than_it_says(seed):
-    smooth = 0.2 ** np.arange(POINTS)  # as pieces are
-    c = random_series(seed) * smooth
+    """It is at an end, or where the derivative is 0; the miss is stated, and small."""
+    decay = 0.2 ** np.arange(POINTS)  # of coefficients, as pieces are smooth
+    c = random_series(seed) * decay
     values = chebyshev.chebval(X, c).tolist()
-
-    maximum = series.maximum(values, work(), -math.inf)
-
     vertices = chebyshev.chebroots(chebyshev.chebder(c))
     is_inside = (vertices.imag == 0) & (abs(vertices.real) <= 1)
     places = np.append(vertices.real[is_inside], [-1.0, 1.0])
     exact = chebyshev.chebval(places, c).max()
     round_off = 2e-15
-    assert abs(maximum.value - exact) <= maximum.miss + round_off
+
+    maximum = series.maximum(values, work(), -math.inf)
+
+    assert maximum.value == pytest.approx(exact, rel=0, abs=maximum.miss + round_off)
     assert maximum.miss <= 1e-12 * np.ptp(values)
     assert maximum.value >= max(values)
     at_place = chebyshev.chebval(maximum.place, c)
@@ -121,32 +141,42 @@ def test_the_maximum_is_missed_by_no_more_than_it_says(seed):
 @pytest.mark.parametrize("fall", [0.05, 0.2, 0.5])
 @pytest.mark.parametrize("seed", range(4))
 def test_the_error_of_a_polynomial_is_estimated_where_it_is(fall, seed):
-    """The estimate is two thirds of the error at least.
+    """The polynomial of degree N is that through the points of a series of 30 terms,
+    which `fall` from one to the next.
 
-    Half of the estimates are 100 times the error at most; the error is less near the
-    points, where the polynomial is right.
+    The estimate is two thirds of the error at least. Half of the estimates are 100
+    times the error at most; the error is less near the points, where the polynomial is
+    right.
     """
-    signs = np.sign(random_series(seed, 30))
+    signs = np.sign(random_series(seed, n=30))
     c = signs * fall ** np.arange(30)
     values = chebyshev.chebval(X, c).tolist()
     polynomial = chebyshev.chebfit(X, values, N)
+    round_off = 1e-15
+
+    def largest_estimate(places):
+        return max(series.error_at(values, y) for y in places)
+
     ratios = []
     for y in np.linspace(-0.99, 0.99, 40):
-        error = abs(chebyshev.chebval(y, c) - chebyshev.chebval(y, polynomial))
+        difference = chebyshev.chebval(y, c) - chebyshev.chebval(y, polynomial)
+        error = abs(difference)
         estimate = series.error_at(values, y)
-        assert error <= 1.5 * estimate + 1e-15
-        ratios.append(estimate / (error + 1e-15))
+        assert error <= 1.5 * estimate + round_off
+        ratios.append(estimate / (error + round_off))
+
     assert np.median(ratios) <= 100
-    at_points = max(series.error_at(values, y) for y in X)
-    between_points = max(series.error_at(values, y) for y in (X[1:] + X[:-1]) / 2)
-    assert at_points < between_points
+    middles = (X[1:] + X[:-1]) / 2
+    assert largest_estimate(X) < largest_estimate(middles)
 
 
 @pytest.mark.parametrize(("n", "band"), [(8, 24), (24, 8), (40, 3), (5, 1)])
 def test_elimination_solves_banded_equations_as_numpy_does(n, band):
+    """Of n unknowns; coefficients `band` or more off the diagonal are 0."""
     rng = np.random.default_rng(n)
-    distance = np.abs(np.subtract.outer(np.arange(n), np.arange(n)))
-    A = rng.normal(size=(n, n)) * (distance < band)
+    numbers = np.arange(n)
+    off_diagonal = np.abs(numbers[:, None] - numbers)
+    A = rng.normal(size=(n, n)) * (off_diagonal < band)
     b = rng.normal(size=n)
     rows = np.column_stack((A, b)).tolist()
 
@@ -157,7 +187,8 @@ def test_elimination_solves_banded_equations_as_numpy_does(n, band):
     assert solution == pytest.approx(expected, rel=1e-9, abs=1e-9)
 
 
-def test_what_stands_for_dense_breaks_is_the_nearest_parabola():
+def test_what_is_flattened_becomes_the_nearest_parabola():
+    """Here the exponential function; a parabola stands for dense breaks."""
     values = np.exp(X).tolist()
 
     series.flatten(values)
@@ -166,10 +197,13 @@ def test_what_stands_for_dense_breaks_is_the_nearest_parabola():
     x, weights = legendre.leggauss(20)
     parabola = []
     for k in range(3):
-        projection = weights @ (np.exp(x) * legendre.Legendre.basis(k)(x))
+        basis = legendre.Legendre.basis(k)
+        projection = weights @ (np.exp(x) * basis(x))
         parabola.append((2 * k + 1) / 2 * projection)
-    assert values == pytest.approx(legendre.legval(X, parabola), abs=1e-9)
-    assert max(abs(np.exp(X) - values)) > 1e-3  # a parabola is not the exponential
+    expected = legendre.legval(X, parabola)
+    assert values == pytest.approx(expected, abs=1e-9)
+    changes = np.exp(X) - values
+    assert max(abs(changes)) > 1e-3  # a parabola is not the exponential
 
 
 # Lines
@@ -182,8 +216,9 @@ def line_of(*pieces, delay=0):
     A piece is given by its start and end, the order of the break before it and its
     coefficients. In the log there is room for four more.
     """
-    hard_breaks = sum(order <= MAX_HARD_ORDER for _, _, order, _ in pieces[1:])
     last = len(pieces) - 1
+    orders_after_first = [order for _, _, order, _ in pieces[1:]]
+    hard_breaks = sum(order <= MAX_HARD_ORDER for order in orders_after_first)
     line = record_with(
         LINE,
         delay=delay,
@@ -199,7 +234,8 @@ def line_of(*pieces, delay=0):
         piece.end = end
         piece.break_order = order
         piece.degree = N if len(c) > 1 else 0
-        piece.coefficients = [*c, *[0.0] * (POINTS - len(c))]
+        zeros = [0.0] * (POINTS - len(c))
+        piece.coefficients = [*c, *zeros]
         piece.next = i + 1
     log[last].next = NONE
     run = record_with(RUN, tolerance=1e-8, shortest_transit=1000)
@@ -225,7 +261,8 @@ def line_of_pieces():
 def arriving(t, side="right"):
     """What `PIECES` bring at tick t, from its right or its left side."""
     start, stop, _, c = PIECES[np.searchsorted(BREAKS, t, side)]
-    y = 2 * (t - DELAY - start) / (stop - start) - 1
+    since_start = t - DELAY - start
+    y = 2 * since_start / (stop - start) - 1  # from -1 to 1 in the piece
     return chebyshev.chebval(y, c)
 
 
@@ -240,18 +277,23 @@ def test_what_left_arrives_a_delay_later(tick, ticks):
 
     lines.sample(line, log, 0, tick, ticks, values)
 
-    times = tick + ticks * (X + 1) / 2
-    expected = [float(arriving(t)) for t in times[:-1]]
-    expected.append(float(arriving(times[-1], "left")))
+    *times, end = tick + ticks * (X + 1) / 2
+    expected = [arriving(t) for t in times]
+    expected.append(arriving(end, side="left"))  # of a break at the end
     assert values == pytest.approx(expected, abs=1e-13)
 
 
 def test_breaks_of_a_line_come_in_their_order():
     line, log = line_of_pieces()
+
+    def next_break(tick, end):
+        """The first break after a tick; or the end, if there is none before it."""
+        return lines.next_break(line, log, 0, tick, end)
+
     assert lines.known_until(line, log, 0) == 2000
-    assert lines.next_break(line, log, 0, 0, 2000) == 600
-    assert lines.next_break(line, log, 0, 0, 500) == 500  # none before this end
-    assert lines.next_break(line, log, 0, 600, 2000) == 1100
+    assert next_break(0, 2000) == 600
+    assert next_break(0, 500) == 500
+    assert next_break(600, 2000) == 1100
     assert lines.order_at(line, log, 0, 0) == 0  # at the beginning anything may jump
 
 
@@ -289,6 +331,7 @@ def quadrature(tick, ticks):
 def test_dense_breaks_keep_momentum_and_its_first_moment_and_gain_no_energy(
     tick, ticks
 ):
+    """One smooth piece takes the place of all that arrives for `ticks` from `tick` on."""
     line, log = line_of_pieces()
     lines.advance_to(line, log, 0, tick)
     smoothed = work()
@@ -296,16 +339,19 @@ def test_dense_breaks_keep_momentum_and_its_first_moment_and_gain_no_energy(
     lines.project(line, log, 0, tick, ticks, smoothed)
 
     def integral(values):
-        return ticks / 2 * series.integral(values)
+        """Integral over the time of the piece of values at its points."""
+        return ticks / 2 * series.integral(values.tolist())
 
+    smoothed = np.array(smoothed)
     times, weights = quadrature(tick, ticks)
     arrived = np.array([arriving(t) for t in times])
+    momentum = weights @ arrived
+    assert integral(smoothed) == pytest.approx(momentum, rel=1e-12)
+    energy = weights @ arrived**2
+    assert integral(smoothed**2) <= energy * (1 + 1e-12)
     y = 2 * (times - tick) / ticks - 1
-    assert integral(smoothed) == pytest.approx(weights @ arrived, rel=1e-12)
-    energy = integral([value**2 for value in smoothed])
-    assert energy <= weights @ arrived**2 * (1 + 1e-12)
-    moment = integral((np.array(smoothed) * series.X).tolist())
-    assert moment == pytest.approx(weights @ (arrived * y), rel=1e-11)
+    first_moment = weights @ (arrived * y)
+    assert integral(smoothed * X) == pytest.approx(first_moment, rel=1e-11)
 
 
 def constant(value):
@@ -313,11 +359,16 @@ def constant(value):
     return [value] * POINTS
 
 
+def append_constant(value, run, line, log):
+    """Number of the piece that a constant from tick 100 to 150 adds, or `NONE`."""
+    values = constant(value)
+    return lines.append_values(run, line, log, 0, 100, 50, values, work())
+
+
 def test_what_is_constant_stays_one_piece():
     run, line, log = line_of((0, 100, SMOOTH, [2.0]))
 
-    # From tick 100 on, for 50 ticks
-    new_piece = lines.append_values(run, line, log, 0, 100, 50, constant(2.0), work())
+    new_piece = append_constant(2.0, run, line, log)
 
     assert new_piece == NONE
     assert run.piece_count == 1
@@ -325,9 +376,9 @@ def test_what_is_constant_stays_one_piece():
 
 
 def test_another_constant_is_another_piece():
-    run, line, log = line_of((0, 150, SMOOTH, [2.0]))
+    run, line, log = line_of((0, 100, SMOOTH, [2.0]))
 
-    new_piece = lines.append_values(run, line, log, 0, 150, 50, constant(3.0), work())
+    new_piece = append_constant(3.0, run, line, log)
 
     assert new_piece == 1
     assert run.piece_count == 2
@@ -351,23 +402,30 @@ def test_another_constant_is_another_piece():
 def test_a_break_is_hard_where_what_jumps_is_above_tolerance(
     jump, slope, bend, order, sent
 ):
-    """Slope and bend over the shortest transit, 1000 ticks; pieces of 1000 and 500."""
-    before = chebyshev.poly2cheb([0.5, 0.3, 0.1]).tolist()  # ends with 0.9
+    """By theory the break has the `order`; by what jumps it is `sent` with another.
+
+    Slope and bend are over the shortest transit, 1000 ticks. The piece before lasts so
+    long, the one after 500 ticks.
+    """
+    before = chebyshev.poly2cheb([0.5, 0.3, 0.1]).tolist()
     run, line, log = line_of((0, 1000, SMOOTH, before))
-    u = (X + 1) / 4  # transits since the break; y = 1 + 2 u in the piece before
-    after = (0.9 + jump) + (2 * 0.5 + slope) * u + (4 * 0.1 + bend) * u**2
+    # The piece before is 0.5 + 0.3 y + 0.1 y^2 with y = 1 + 2 u, u in transits since
+    # the break: it would go on with 0.9 + u + 0.4 u^2.
+    u = (X + 1) / 4
+    after = (0.9 + jump) + (1.0 + slope) * u + (0.4 + bend) * u**2
     node = record_with(NODE, now=1000, outgoing=after.tolist())
 
     lines.send(run, line, log, 0, node, 500, order)
 
     assert log[1].break_order == sent
-    assert line[0].unread_breaks == int(sent <= MAX_HARD_ORDER)
+    is_hard = sent <= MAX_HARD_ORDER
+    assert line[0].unread_breaks == int(is_hard)
 
 
 @pytest.mark.parametrize(("sent", "order"), [(2.0, 0), (0.5, 1)])
 def test_the_first_reflection_of_a_free_end_has_a_break_of_its_order(sent, order):
-    """What arrives at t = 0 begins with 0.5, and is sent after what is under way, the
-    constant `sent`: it jumps (order 0), or only its slope does (1).
+    """What arrives at t = 0 begins with 1 - 0.5, and is sent after what is under way,
+    the constant `sent`: it jumps (order 0), or only its slope does (1).
     """
     run, line, log = line_of((-1000, 0, SMOOTH, [1.0, 0.5]), delay=1000)
     line.append(record_with(LINE, last_piece=NONE))
@@ -464,14 +522,16 @@ def test_a_force_satisfies_its_law(fields):
 
     F, _, _ = contact_laws.force(link, overlap, closing)
 
-    rate = closing - link.mobility * F
+    rate = closing - link.mobility * F  # what is left of the closing velocity
     if link.law == Law.BOND:
         assert rate == pytest.approx(0.0, abs=1e-15)
     elif link.law == Law.POWER:
-        damped = 1 + link.damping * rate
-        assert pytest.approx(F) == 7.0 * overlap**link.exponent * damped
+        damping_factor = 1 + link.damping * rate
+        expected = 7.0 * overlap**link.exponent * damping_factor
+        assert pytest.approx(expected) == F
     else:
-        assert pytest.approx(F) == 7.0 * overlap + link.damping * rate
+        expected = 7.0 * overlap + link.damping * rate
+        assert pytest.approx(expected) == F
 
 
 @pytest.mark.parametrize("fields", LAWS.values(), ids=LAWS)
@@ -479,15 +539,22 @@ def test_derivatives_of_a_force_are_its_difference_quotients(fields):
     link = pressed_link(fields)
     step = 1e-6
 
-    def force(overlap, closing):
-        return contact_laws.force(link, overlap, closing)[0]
+    overlap = 0.3
+    closing = 1.7
 
-    _, by_overlap, by_closing = contact_laws.force(link, 0.3, 1.7)
+    def force_beside(more_overlap, more_closing):
+        """Force for a little more overlap and closing velocity."""
+        F, _, _ = contact_laws.force(
+            link, overlap + more_overlap, closing + more_closing
+        )
+        return F
 
-    slope = (force(0.3 + step, 1.7) - force(0.3 - step, 1.7)) / (2 * step)
-    assert by_overlap == pytest.approx(slope, rel=1e-7, abs=1e-9)
-    slope = (force(0.3, 1.7 + step) - force(0.3, 1.7 - step)) / (2 * step)
-    assert by_closing == pytest.approx(slope, rel=1e-7, abs=1e-9)
+    _, by_overlap, by_closing = contact_laws.force(link, overlap, closing)
+
+    difference = force_beside(step, 0.0) - force_beside(-step, 0.0)
+    assert by_overlap == pytest.approx(difference / (2 * step), rel=1e-7, abs=1e-9)
+    difference = force_beside(0.0, step) - force_beside(0.0, -step)
+    assert by_closing == pytest.approx(difference / (2 * step), rel=1e-7, abs=1e-9)
 
 
 @pytest.mark.parametrize(
@@ -507,6 +574,7 @@ def test_derivatives_of_a_force_are_its_difference_quotients(fields):
 def test_one_guard_ends_a_status_and_names_the_next(
     law, status, overlap, closing, next_status
 ):
+    """The law yields at 2 N, from an overlap of 0.2 m on; its table goes on at 9 N."""
     link = record_with(
         LINK,
         law=law,
@@ -535,18 +603,22 @@ def test_one_guard_ends_a_status_and_names_the_next(
 
 @pytest.mark.parametrize(("law", "side"), [(Law.PUSH_LEFT, 0), (Law.PUSH_RIGHT, 1)])
 def test_a_force_that_pushes_an_end_is_as_rough_as_the_velocity_it_makes(law, side):
-    """What comes in is a force there, and a velocity at the other side."""
-    forces = random_series(7).tolist()
+    """What comes in from this side is a force of the drive, which makes a velocity of 2
+    mobility F; beside a rigid contact the same values are a velocity.
+    """
+    values = random_series(7).tolist()
+    truncation = series.truncation_estimate(values)
     mobility = 0.03
-    link = record_with(LINK, law=law, effective_mobility=mobility)
+    push = record_with(LINK, law=law, effective_mobility=mobility)
+    rigid = record_with(LINK, law=Law.RIGID, effective_mobility=mobility)
     node = record_with(NODE, link_count=1)
-    node.incoming[side] = forces
-    pushed = nodes.truncation_error([link], [], node)
-    assert pushed == pytest.approx(2 * mobility * series.truncation_estimate(forces))
+    node.incoming[side] = values
 
-    link.law = Law.RIGID
-    by_velocity = nodes.truncation_error([link], [], node)
-    assert by_velocity == series.truncation_estimate(forces)
+    of_force = nodes.truncation_error([push], [], node)
+    of_velocity = nodes.truncation_error([rigid], [], node)
+
+    assert of_force == pytest.approx(2 * mobility * truncation)
+    assert of_velocity == truncation
 
 
 def test_a_force_that_is_the_difference_of_large_terms_is_found():

@@ -96,9 +96,9 @@ def test_a_driven_rod_moves_as_dalembert_says(case):
     profile = PROFILES[name]
     Z = 2.0
     ends = [driven_by(kind, profile), far()]
-    system = ri.System([unit_rod(1.0, Z)], gravity=gravity_of(far), ends=ends)
+    system = ri.System([unit_rod(1.0, area=Z)], gravity=gravity_of(far), ends=ends)
 
-    solution = ri.solve(system, UNTIL, "characteristics")
+    solution = ri.solve(system, until=UNTIL, method="characteristics")
 
     rng = np.random.default_rng(1)
     x = rng.uniform(0, 1, 200)
@@ -127,10 +127,10 @@ def test_an_incoming_wave_presses_a_spring_as_a_low_pass_says(name):
     k = 5.0
     Z = 2.0
     ends = [driven_by(ri.Incoming, profile), ri.Absorbing()]
-    bars = [unit_rod(1.0, Z), unit_rod(1.0, Z)]
+    bars = [unit_rod(1.0, area=Z), unit_rod(1.0, area=Z)]
     system = ri.System(bars, contacts=[ri.Joint(k)], ends=ends)
 
-    (joint,) = ri.solve(system, UNTIL).contacts
+    (joint,) = ri.solve(system, until=UNTIL).contacts
 
     # Sums over many short steps of time, from the arrival of the wave, after 1 s, on
     t = np.linspace(0, UNTIL - 1, 400_001)

@@ -70,7 +70,7 @@ def test_the_ends_of_a_group_deviate_within_their_bounds(seed):
     group = parts_at_start(system)[0]
     t = np.linspace(0, 8, 801)
 
-    solution = ri.solve(system, 8.0, "characteristics")
+    solution = ri.solve(system, until=8.0, method="characteristics")
 
     velocity = group.group_velocity + solution.run.clock.frame
     for side, (body, x) in enumerate([(0, 0.0), right_end]):
@@ -99,7 +99,7 @@ def test_a_mass_on_a_dashpot_deviates_within_its_bound(damping):
     reach = np.sqrt(4 / 27) + 4 / (3 * damping)
     assert group.compliance_integrals[1] == pytest.approx(reach**2, rel=1e-9)
 
-    solution = ri.solve(system, 8.0, "characteristics")
+    solution = ri.solve(system, until=8.0, method="characteristics")
 
     t = np.linspace(0, 8, 801)
     displacement = solution.displacement(1, 0.0, t)
@@ -116,10 +116,10 @@ def test_a_mass_on_a_dashpot_deviates_within_its_bound(damping):
 def test_a_run_three_times_as_long_as_a_final_one_has_the_same_contacts(seed, law):
     rng = np.random.default_rng(seed)
     bodies = [stepped_rod(rng, 1.0, 1), ri.RigidMass(0.5), stepped_rod(rng, -0.3, 1)]
-    system = ri.System(bodies, [0.1, 0.1], [law, ri.Spring(50.0)])
+    system = ri.System(bodies, gaps=[0.1, 0.1], contacts=[law, ri.Spring(50.0)])
 
     solution = ri.solve(system)
-    longer = ri.solve(system, 3 * solution.t_end)
+    longer = ri.solve(system, until=3 * solution.t_end)
 
     assert solution.final
     for contact, other in zip(solution.contacts, longer.contacts, strict=True):
@@ -134,7 +134,7 @@ def test_the_energy_about_the_mean_is_that_of_the_ledger():
     rng = np.random.default_rng(3)
     system = ri.System([stepped_rod(rng, 0.4)])
     (group, *_) = parts_at_start(system)
-    energy = ri.solve(system, 1.0, "characteristics").energy(0.0)
+    energy = ri.solve(system, until=1.0, method="characteristics").energy(0.0)
     assert group.reference_energy == pytest.approx(float(energy.vibration), rel=1e-12)
 
 

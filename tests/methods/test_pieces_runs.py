@@ -39,10 +39,10 @@ def test_a_run_that_starts_with_little_room_comes_to_the_same_numbers(
 ):
     system = random_network(seed)
     with kernels.forced(compiling=False):
-        expected = numbers_of(ri.solve(system, 2.0, METHOD))
+        expected = numbers_of(ri.solve(system, until=2.0, method=METHOD))
         monkeypatch.setattr(driver, "INITIAL_LOG_ROWS", 4)
         monkeypatch.setattr(driver, "INITIAL_CONTACT_ROWS", 1100)
-        numbers = numbers_of(ri.solve(system, 2.0, METHOD))
+        numbers = numbers_of(ri.solve(system, until=2.0, method=METHOD))
     assert numbers.tolist() == expected.tolist()
 
 
@@ -52,7 +52,7 @@ def family():
     stiffnesses = np.array([[10.0], [1e5]])
     bodies = [unit_rod(lengths, velocity=1.0), ri.RigidMass(0.5), unit_rod(1.3)]
     laws = [ri.Hertz(stiffnesses), ri.HuntCrossley(20.0, 0.2)]
-    return ri.System(bodies, [0.0, 0.01], laws)
+    return ri.System(bodies, gaps=[0.0, 0.01], contacts=laws)
 
 
 def totals(result):
@@ -104,9 +104,9 @@ def test_plain_python_runs_the_same_bits():
     for seed in range(2):
         system = random_network(seed, bodies=4, driven=seed % 2 == 1)
         with kernels.forced(compiling=False):
-            plain = numbers_of(ri.solve(system, 2.0, METHOD))
+            plain = numbers_of(ri.solve(system, until=2.0, method=METHOD))
         with kernels.forced(compiling=True):
-            compiled = numbers_of(ri.solve(system, 2.0, METHOD))
+            compiled = numbers_of(ri.solve(system, until=2.0, method=METHOD))
         # Texts tell 0.0 from -0.0, and nan is as nan.
         assert repr(plain.tolist()) == repr(compiled.tolist()), seed
 
@@ -119,9 +119,11 @@ def test_plain_python_runs_the_same_bits():
 def test_random_rows_are_near_those_of_finite_differences_and_keep_their_energy(seed):
     """Two methods that share the row and nothing else, on all bodies, laws and ends."""
     system = random_network(seed, bodies=4, driven=seed % 2 == 1)
-    grid = ri.solve(system, 1.0, "finite-difference", cells=400, snapshots=2)
+    grid = ri.solve(
+        system, until=1.0, method="finite-difference", cells=400, snapshots=2
+    )
 
-    solution = ri.solve(system, 1.0, METHOD)
+    solution = ri.solve(system, until=1.0, method=METHOD)
 
     for body in range(len(system.bodies)):
         expected = float(grid.mean_velocity(body, 1.0))
@@ -148,10 +150,10 @@ def test_waves_that_are_smoothed_keep_the_momentum_of_each_rod():
     areas = rng.uniform(0.3, 2.0, 4)
     bodies = []
     for length, area, v in zip(lengths, areas, (1.0, 0.2, -0.1, -0.7), strict=True):
-        bodies.append(unit_rod(length, area, velocity=v))
+        bodies.append(unit_rod(length, area=area, velocity=v))
     system = ri.System(bodies, ends=(ri.Fixed(), ri.Fixed()))
 
-    solution = ri.solve(system, 10.0, METHOD)
+    solution = ri.solve(system, until=10.0, method=METHOD)
 
     assert "Such waves are smoothed" in solution.status
     outcome = solution.outcome

@@ -50,15 +50,15 @@ def test_stiff_contacts_of_rods_are_near_rigid_ones_in_few_steps(law):
 @pytest.mark.parametrize("law", [ri.Spring, ri.Hertz])
 def test_impulses_on_a_mass_between_stiff_contacts_are_near_those_of_rigid_ones(law, k):
     """And all balances close."""
-    row = [unit_rod(1.0, velocity=1.0), ri.RigidMass(0.5), unit_rod(1.0, 2.0)]
+    row = [unit_rod(1.0, velocity=1.0), ri.RigidMass(0.5), unit_rod(1.0, area=2.0)]
     until = 1.5
     rise_time = 1 / math.sqrt(k)  # of the force on the mass, about
     if law is ri.Hertz:
         rise_time = k ** (-1 / 3)
     bound = 10 * rise_time + 1e-9
 
-    solution = ri.solve(ri.System(row, contacts=[law(k), law(k)]), until)
-    with_rigid = ri.solve(ri.System(row), until)
+    solution = ri.solve(ri.System(row, contacts=[law(k), law(k)]), until=until)
+    with_rigid = ri.solve(ri.System(row), until=until)
 
     for stiff, rigid in zip(solution.contacts, with_rigid.contacts, strict=True):
         assert stiff.impulse == pytest.approx(rigid.impulse, abs=bound)
@@ -77,8 +77,8 @@ def test_a_dashpot_between_endless_bars_lets_go_on_time(k, damping):
     They have the impedance 2, so that d' = v - F. The force F = k d + c d' ends where
     k d = -c v, at a known time.
     """
-    striker = unit_rod(1.0, 2.0, velocity=ri.Steps([-1.0, 1.0], [0.5]))
-    struck = unit_rod(1.0, 2.0)
+    striker = unit_rod(1.0, area=2.0, velocity=ri.Steps([-1.0, 1.0], [0.5]))
+    struck = unit_rod(1.0, area=2.0)
     system = ri.System(
         [striker, struck],
         contacts=[ri.SpringDashpot(k, damping)],
@@ -96,7 +96,7 @@ def test_a_dashpot_between_endless_bars_lets_go_on_time(k, damping):
         d_at_end = d_at_turn
     path = 0.5 - (end - 0.5)  # integral of v, which is d and the integral of F
 
-    solution = ri.solve(system, 4.0)
+    solution = ri.solve(system, until=4.0)
 
     contact = solution.contacts[0]
     episode = contact.episodes[0]

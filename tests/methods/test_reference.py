@@ -257,7 +257,7 @@ def random_row(seed):
         if isinstance(law, ri.Rigid) and pick.random() < 0.5:
             gap = pick.randint(1, 12) / pick.choice([1, 4, 64])
         gaps.append(gap)
-    return ri.System(bodies, gaps, laws), pick
+    return ri.System(bodies, gaps=gaps, contacts=laws), pick
 
 
 def random_segment(pick, impedances, longest):

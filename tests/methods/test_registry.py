@@ -134,7 +134,7 @@ def test_a_row_on_which_something_acts_needs_an_end_and_is_never_final(
     for ask in (ri.solve, ri.sweep):
         assert refused(message, ask, system) == ["until"]
 
-    solution = ri.solve(system, 1e-4)
+    solution = ri.solve(system, until=1e-4)
 
     assert not solution.final
     assert solution.outcome.driven
@@ -161,7 +161,7 @@ def test_bodies_that_fall_alike_come_to_an_end():
 def test_the_cap_on_events_ends_a_run_and_says_what_it_counts(
     method, counted, remedy, cap
 ):
-    system = ri.System([ri.Wall(), ROD, ri.Wall()], [1e-3, 1e-3])
+    system = ri.System([ri.Wall(), ROD, ri.Wall()], gaps=[1e-3, 1e-3])
     solution = ri.solve(system, method=method, max_events=cap)
     assert solution.stopped_by == "max_events"
     assert not solution.final

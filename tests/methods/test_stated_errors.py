@@ -50,8 +50,8 @@ def measures_of(solution):
 
 def assert_bounded(system, until, rtol):
     """Errors of a run, beside a finer one, are at most what both runs state."""
-    solution = ri.solve(system, until, METHOD, rtol=rtol)
-    exact = ri.solve(system, until, METHOD, rtol=EXACT_RTOL)
+    solution = ri.solve(system, until=until, method=METHOD, rtol=rtol)
+    exact = ri.solve(system, until=until, method=METHOD, rtol=EXACT_RTOL)
     exact_measures = measures_of(exact)
     for name, values in measures_of(solution).items():
         exact_values = exact_measures[name]
@@ -82,8 +82,8 @@ def test_half_of_the_stated_errors_are_near_the_true_ones(seeds):
     for kind in KINDS:
         for seed in seeds:
             system, until = random_compliant_row(kind, seed)
-            solution = ri.solve(system, until, METHOD)
-            exact = ri.solve(system, until, METHOD, rtol=EXACT_RTOL)
+            solution = ri.solve(system, until=until, method=METHOD)
+            exact = ri.solve(system, until=until, method=METHOD, rtol=EXACT_RTOL)
             exact_measures = measures_of(exact)
             for name, values in measures_of(solution).items():
                 exact_values = exact_measures[name]
@@ -138,7 +138,7 @@ def test_stated_errors_bound_those_of_random_rows(case):
 def test_a_spring_whose_force_ends_before_it_opens_states_the_difference():
     """Its last piece has a force that counts as none, for the overlap is too small."""
     system, until = random_compliant_row("power", 34)
-    solution = ri.solve(system, until, METHOD, rtol=EXACT_RTOL)
+    solution = ri.solve(system, until=until, method=METHOD, rtol=EXACT_RTOL)
     end_of_force = solution.run.contacts[0].last
     opening = solution.contacts[0].episodes[-1].opening
     assert 0 < opening - end_of_force < 1e-5
@@ -154,8 +154,8 @@ def test_bodies_that_are_set_at_rest_state_the_velocity_that_they_lose(restituti
     # The rod is too far away to be struck.
     bodies = [ri.Wall(), ri.RigidMass(1.0, velocity=0.0), unit_rod()]
     laws = [ri.Rigid(restitution=restitution), ri.Rigid()]
-    system = ri.System(bodies, [0.1, 90.0], laws, gravity=-1.0)
-    solution = ri.solve(system, 4.0, METHOD, rtol=1e-12)
+    system = ri.System(bodies, gaps=[0.1, 90.0], contacts=laws, gravity=-1.0)
+    solution = ri.solve(system, until=4.0, method=METHOD, rtol=1e-12)
     assert "set at rest" in solution.status
     stated = solution.accuracy["velocity"]
     assert 1e-8 / 10 < stated <= 1e-8 * 10
