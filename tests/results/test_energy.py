@@ -7,7 +7,6 @@ from networks import unit_rod
 
 import rodimpact as ri
 
-
 WALL_SPEED = 0.1  # m/s
 
 

@@ -17,27 +17,31 @@ STEEL = ri.materials.steel
 DAMPED = STEEL.damped(loss_factor=0.02, frequency=1e3)
 END = 4e-4  # s
 PLACE = 0.1  # m
-TIME = 1.5e-4  # s
+TIME = 1.5e-4  # s, that is 150 us
 METHODS = ("fronts", "characteristics", "finite-difference")
 
 
 @cache
 def solved(method):
-    """Two rods and a wall, with all that the method carries: damping, a mass, laws."""
+    """The solution, to `END`, of two rods and a wall, with all that the method carries.
+
+    Fronts carry rigid contacts; characteristics a mass (body 2) and laws as well; a
+    grid also damping.
+    """
     material = STEEL
     if method == "finite-difference":
         material = DAMPED
-    bodies = [
-        ri.Rod(0.4, area=1e-4, material=material, velocity=1.0),
-        ri.Rod(0.7, area=2e-4, material=STEEL),
-    ]
-    contacts = [ri.Rigid(), ri.Rigid()]
-    gaps = [0.0, 1e-3]
-    if method != "fronts":
-        bodies.append(ri.RigidMass(1.0))
+    striker = ri.Rod(0.4, area=1e-4, material=material, velocity=1.0)
+    struck = ri.Rod(0.7, area=2e-4, material=STEEL)
+    if method == "fronts":
+        bodies = [striker, struck, ri.Wall()]
+        contacts = [ri.Rigid(), ri.Rigid()]
+        gaps = [0.0, 1e-3]
+    else:
+        bodies = [striker, struck, ri.RigidMass(1.0), ri.Wall()]
         contacts = [ri.Hertz(1e10), ri.Hertz(2e10), ri.Spring(1e6)]
         gaps = [0.0, 0.0, 1e-3]
-    row = ri.System([*bodies, ri.Wall()], contacts=contacts, gaps=gaps)
+    row = ri.System(bodies, gaps, contacts)
     return ri.solve(row, until=END, method=method)
 
 
@@ -61,7 +65,8 @@ def calls_with_a_time(solution):
     """Pairs of a name and a function of times alone."""
     for name, field in fields_of(solution):
         yield name, partial(field, 0, PLACE)
-    yield "wall", lambda t: solution.velocity(len(solution.system.bodies) - 1, 0, t)
+    wall = len(solution.system.bodies) - 1
+    yield "wall", lambda t: solution.velocity(wall, 0, t)
     yield "momentum", lambda t: solution.fields.momentum(0, t)
     yield "mean_velocity", lambda t: solution.mean_velocity(0, t)
     yield "energy", lambda t: solution.energy(t).strain
@@ -81,44 +86,62 @@ def calls_with_one_time(solution):
 
 
 def of_pint(number, unit):
+    """A number or array with its unit, as pint has it."""
     pint = pytest.importorskip("pint")
-    return pint.application_registry.get().Quantity(number, unit)
+    registry = pint.application_registry.get()
+    return registry.Quantity(number, unit)
 
 
 def of_astropy(number, unit):
-    return number * pytest.importorskip("astropy.units").Unit(unit)
+    """A number or array with its unit, as astropy has it."""
+    units = pytest.importorskip("astropy.units")
+    return number * units.Unit(unit)
 
 
-@pytest.mark.parametrize("method", few_of(METHODS, ["fronts"]))
-@pytest.mark.parametrize("quantity", few_of([of_pint, of_astropy], [of_pint]))
-def test_places_and_times_with_units_are_converted(method, quantity):
+every_method = pytest.mark.parametrize("method", few_of(METHODS, ["fronts"]))
+every_package = pytest.mark.parametrize(
+    "quantity", few_of([of_pint, of_astropy], [of_pint])
+)
+
+
+@every_method
+@every_package
+def test_places_with_units_are_converted(method, quantity):
     solution = solved(method)
     millimetres = np.array([100.0, 250.0])
-    given_places = (
-        (quantity(100.0, "mm"), 0.1),
-        (quantity(millimetres, "mm"), [0.1, 0.25]),
-        (quantity(millimetres[:, None], "mm"), [[0.1], [0.25]]),
-        ([quantity(100.0, "mm"), quantity(0.25, "m")], [0.1, 0.25]),
+    one_place = quantity(100.0, "mm")
+    places = quantity(millimetres, "mm")
+    column = quantity(millimetres[:, None], "mm")
+    mixed_units = [quantity(100.0, "mm"), quantity(0.25, "m")]
+    same_places = (
+        (one_place, 0.1),
+        (places, [0.1, 0.25]),
+        (column, [[0.1], [0.25]]),
+        (mixed_units, [0.1, 0.25]),
     )
     for name, call in calls_with_a_place(solution):
-        for value, metres in given_places:
-            np.testing.assert_array_equal(call(value), call(metres), name)
-    given_times = (
-        (quantity(150.0, "us"), 150 * 1e-6),
-        (quantity(np.array([50.0, 150.0]), "us"), [50 * 1e-6, 150 * 1e-6]),
-    )
-    for name, call in calls_with_a_time(solution):
-        for value, seconds in given_times:
-            converted = call(value)
-            np.testing.assert_allclose(
-                converted, call(seconds), rtol=1e-12, err_msg=name
-            )
-    gauge = solution.gauge(0, quantity(100.0, "mm"))
+        for with_unit, metres in same_places:
+            converted = call(with_unit)
+            np.testing.assert_array_equal(converted, call(metres), name)
+    gauge = solution.gauge(0, one_place)
     np.testing.assert_array_equal(gauge.strain, solution.gauge(0, 0.1).strain)
+
+
+@every_method
+@every_package
+def test_times_with_units_are_converted(method, quantity):
+    solution = solved(method)
+    one_time = quantity(150.0, "us")
+    times = quantity(np.array([50.0, 150.0]), "us")
+    same_times = ((one_time, TIME), (times, [50 * 1e-6, TIME]))
+    for name, call in calls_with_a_time(solution):
+        for with_unit, seconds in same_times:
+            converted = call(with_unit)
+            expected = call(seconds)
+            np.testing.assert_allclose(converted, expected, rtol=1e-12, err_msg=name)
     contact = solution.contacts[0]
-    assert contact.law_at(quantity(150.0, "us")) == contact.law_at(TIME)
-    continued = solution.system_at(quantity(150.0, "us"))
-    assert continued.gaps == solution.system_at(150 * 1e-6).gaps
+    assert contact.law_at(one_time) == contact.law_at(TIME)
+    assert solution.system_at(one_time).gaps == solution.system_at(TIME).gaps
 
 
 NO_NUMBERS = [
@@ -157,11 +180,10 @@ def test_what_is_no_place_or_time_is_refused_by_the_name_of_the_argument(method)
         for _, call in calls_with_a_time(solution):
             assert refused("must|shape", call, value) == ["t"]
         for name, call in calls_with_one_time(solution):
-            argument = "t"
-            if name == "signal":
-                argument = "interval"
-            if argument == "interval" and value is None:
+            is_interval = name == "signal"
+            if is_interval and value is None:
                 continue  # which stands for the usual one
+            argument = "interval" if is_interval else "t"
             assert refused("must|shape", call, value) == [argument]
 
 
@@ -171,10 +193,12 @@ def test_the_only_place_in_a_rigid_mass_or_a_wall_is_0(method):
     solution = solved(method)
     mass = 2
     wall = 3
+    times = [0.0, TIME, END]
     for body in (mass, wall):
         for field in (solution.velocity, solution.displacement, solution.position):
             for value in NO_NUMBERS:
                 assert refused("must|shape", field, body, value, TIME) == ["x"]
-            at_places = field(body, [[0.0], [0.0]], [0.0, TIME, END])
-            assert at_places.shape == (2, 3)
-            np.testing.assert_array_equal(at_places[1], field(body, 0, [0, TIME, END]))
+            at_one_place = field(body, 0, times)
+            at_two_places = field(body, [[0.0], [0.0]], times)
+            assert at_two_places.shape == (2, 3)
+            np.testing.assert_array_equal(at_two_places[1], at_one_place)

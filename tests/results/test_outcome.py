@@ -38,13 +38,14 @@ def assert_stands_for(rigid, outcome):
     """The rigid bodies move as the rods do, and lose what the rods keep as
     vibration.
     """
-    k = outcome.unilateral[0]
-    v1 = outcome.velocities_after[k]
-    v2 = outcome.velocities_after[k + 1]
+    contact = outcome.unilateral[0]  # the contact that is no bond
+    v1 = outcome.velocities_after[contact]
+    v2 = outcome.velocities_after[contact + 1]
     assert rigid.velocity_1 == pytest.approx(v1, abs=1e-13)
     assert rigid.velocity_2 == pytest.approx(v2, abs=1e-13)
     assert rigid.impulse == pytest.approx(outcome.impulse, rel=1e-13)
-    gained = sum(outcome.vibration_after) - sum(outcome.vibration_before)
+    vibration_before = sum(outcome.vibration_before)
+    gained = sum(outcome.vibration_after) - vibration_before
     assert rigid.energy_lost == pytest.approx(gained, abs=1e-13)
 
 
@@ -76,11 +77,14 @@ def test_a_stepped_rod_on_a_wall_as_a_rigid_body_of_its_restitution(wall, mirror
         wall_velocity = rigid.velocity_2
 
     e = 0.5
+    impulse = mass * (1 + e) * closing
+    energy_lost = (1 - e**2) * mass * closing**2 / 2
     assert wall_velocity == wall
     assert rod_velocity == pytest.approx(wall - e * closing)
-    assert rigid.impulse == pytest.approx(mass * (1 + e) * closing)
-    assert rigid.energy_lost == pytest.approx((1 - e**2) * mass * closing**2 / 2)
-    assert math.isinf(rigid.energy_before) == (wall != 0)
+    assert rigid.impulse == pytest.approx(impulse)
+    assert rigid.energy_lost == pytest.approx(energy_lost)
+    wall_moves = wall != 0
+    assert math.isinf(rigid.energy_before) == wall_moves
     assert_stands_for(rigid, outcome)
 
 
@@ -93,11 +97,13 @@ def test_a_stepped_rod_on_a_wall_as_a_rigid_body_of_its_restitution(wall, mirror
     [([1, 3], 1.0), ([3, 1], 1 / 2), ([1, 2], 23 / 27), ([2, 1], 7 / 9)],
 )
 def test_mirror_images_of_stepped_rods_part_with_their_restitution(impedances, e):
-    left = stepped(impedances[::-1], 1.0)
-    right = stepped(impedances, -1.0)
+    """It is that of each of them on a wall, by closed forms."""
+    left = stepped(impedances[::-1], velocity=1.0)
+    right = stepped(impedances, velocity=-1.0)
     outcome = ri.collide(left, right)
     rigid = outcome.as_rigid()
-    assert rigid.relative_velocity_after == pytest.approx(2 * e)
+    closing = 2.0  # m/s
+    assert rigid.relative_velocity_after == pytest.approx(closing * e)
     assert rigid.centre_of_mass_velocity == pytest.approx(0.0, abs=1e-15)
     assert_stands_for(rigid, outcome)
 
@@ -112,15 +118,19 @@ def test_bonded_rods_are_as_rigid_as_rods_in_one_piece():
         rod(0.5, 2.0),
     ]
     bonded = ri.System(rods, contacts=[bond, ri.Rigid(), bond, bond])
-    struck = [segment(3.0, 2.0), segment(1.0, 1.0), segment(0.5, 2.0)]
-    in_one_piece = ri.collide(stepped([1.0, 2.0], 1.0), ri.Rod(segments=struck))
+    striker = stepped([1.0, 2.0], velocity=1.0)
+    segments = [segment(3.0, 2.0), segment(1.0, 1.0), segment(0.5, 2.0)]
+    struck = ri.Rod(segments=segments)
+    in_one_piece = ri.collide(striker, struck)
 
     outcome = ri.solve(bonded).outcome
 
     rigid = outcome.as_rigid()
     assert rigid == pytest.approx(in_one_piece.as_rigid(), rel=1e-13)
-    # 3 kg move at 1 m/s, and 8 kg are at rest.
-    assert rigid.centre_of_mass_velocity == pytest.approx(3 / (3 + 8))
+    moving = 3.0  # kg, at 1 m/s; the mass of a rod here is Z T
+    at_rest = 8.0  # kg
+    centre_of_mass_velocity = moving * 1.0 / (moving + at_rest)
+    assert rigid.centre_of_mass_velocity == pytest.approx(centre_of_mass_velocity)
     assert_stands_for(rigid, outcome)
 
 
@@ -146,7 +156,8 @@ def held(rod, left, right):
     if right is not None:
         bodies.append(ri.Wall(right))
         right_end = ri.Free()
-    bonds = [ri.Bonded()] * (len(bodies) - 1)
+    n_contacts = len(bodies) - 1
+    bonds = [ri.Bonded()] * n_contacts
     return ri.System(bodies, contacts=bonds, ends=(left_end, right_end))
 
 
@@ -168,17 +179,24 @@ def test_a_rod_between_walls_that_move_apart_has_its_own_velocity(
 
     outcome = ri.solve(system, 1.25, method, **OPTIONS[method]).outcome
 
-    for body, before, after in zip(
-        system.bodies, outcome.velocities_before, outcome.velocities_after, strict=True
-    ):
+    velocities_before = outcome.velocities_before
+    velocities_after = outcome.velocities_after
+    for i, body in enumerate(system.bodies):
+        before = velocities_before[i]
+        after = velocities_after[i]
         if isinstance(body, ri.Wall):
             assert before == body.velocity
             assert after == body.velocity
         else:
             assert before == pytest.approx(0.0, abs=error)
             assert after == pytest.approx(direction * 0.75, abs=error)
-    assert sum(outcome.vibration_after) == pytest.approx(0.96875, abs=error)
-    assert outcome.kinetic_after == pytest.approx(0.75**2 / 2, abs=error)
+    # The rod has E A = 1, a mass of 1 kg and 1 m. Its mean velocity is 3/4 m/s.
+    rigid_motion = 0.75**2 / 2
+    kinetic = 0.75 * 1.0**2 / 2
+    elastic = (0.75 * 1.0**2 + 0.25 * 2.0**2) / 2  # its strain is 1, then 2
+    vibration = kinetic + elastic - rigid_motion
+    assert sum(outcome.vibration_after) == pytest.approx(vibration, abs=error)
+    assert outcome.kinetic_after == pytest.approx(rigid_motion, abs=error)
     assert outcome.final  # no contact of this row can open
 
 
@@ -190,7 +208,8 @@ def test_a_rod_between_walls_that_move_apart_has_its_own_velocity(
 def test_a_rod_between_walls_of_one_velocity_has_it_after(
     method, left, right, velocity
 ):
-    system = held(rod(1.0, 1.0, velocity=1.0), left, right)
+    moving_rod = rod(1.0, 1.0, velocity=1.0)
+    system = held(moving_rod, left, right)
     outcome = ri.solve(system, 1.25, method, **OPTIONS[method]).outcome
     assert set(outcome.velocities_after) == {velocity}
 
@@ -213,28 +232,27 @@ def test_a_bar_without_end_that_a_wall_pushes_stays_at_the_wall(impedances, mirr
 
 
 def test_a_restitution_of_round_off_is_0_and_a_small_one_stays():
-    parting = np.array([-1e-3, -6e-14, 0.0, 6e-14, 5e-12, 0.4])
-    before = (np.ones(6), np.zeros(6))
+    parting = np.array([-1e-3, -6e-14, 0.0, 6e-14, 5e-12, 0.4])  # m/s
+    before = (np.ones(6), np.zeros(6))  # they close at 1 m/s
     after = (np.zeros(6), parting)
     e = effective_restitution(final=True, episodes=1, before=before, after=after)
     assert e.tolist() == [0.0, 0.0, 0.0, 0.0, 5e-12, 0.4]
 
 
 def test_a_restitution_of_the_round_off_of_a_common_velocity_is_0():
-    before = (1e4 + 0.125, 1e4)
-    after = (1e4, math.nextafter(1e4, 2e4))
-    assert (
-        float(effective_restitution(final=True, episodes=1, before=before, after=after))
-        == 0.0
-    )
+    common = 1e4  # m/s
+    next_velocity = math.nextafter(common, math.inf)
+    before = (common + 0.125, common)
+    after = (common, next_velocity)
+    e = effective_restitution(final=True, episodes=1, before=before, after=after)
+    assert e == 0.0
 
 
 def test_bodies_that_have_not_parted_have_no_restitution():
     before = (1.0, 0.0)
     after = (0.0, -1e-14)
-    assert np.isnan(
-        effective_restitution(final=False, episodes=1, before=before, after=after)
-    )
+    e = effective_restitution(final=False, episodes=1, before=before, after=after)
+    assert np.isnan(e)
 
 
 # Vibration before
@@ -242,14 +260,18 @@ def test_bodies_that_have_not_parted_have_no_restitution():
 
 
 def test_the_film_backwards_has_the_inverse_restitution_and_releases_vibration():
-    forwards = ri.solve(ri.System([rod(1.0, 1.0, velocity=1.0), rod(1.0, 2.0)]))
+    e = 0.5  # of a rod that strikes one twice as long: the ratio of the lengths
+    striker = rod(1.0, 1.0, velocity=1.0)
+    struck = rod(1.0, 2.0)
+    forwards = ri.solve(ri.System([striker, struck]))
     at_end = forwards.system_at(forwards.t_end)
 
     backwards = ri.solve(at_end.reversed()).outcome
 
     rigid = backwards.as_rigid()
-    assert forwards.outcome.restitution == pytest.approx(0.5)
-    assert backwards.restitution == pytest.approx(2.0)
+    assert forwards.outcome.restitution == pytest.approx(e)
+    assert backwards.restitution == pytest.approx(1 / e)
+    # The bodies have their velocities before the collision, turned round.
     assert rigid.velocity_1 == pytest.approx(-1.0)
     assert rigid.velocity_2 == pytest.approx(0.0, abs=1e-13)
     lost_forwards = forwards.outcome.as_rigid().energy_lost
@@ -300,16 +322,22 @@ TWO_WAVES = ri.Steps([3.0, -1.0], [0.5])
 def test_what_is_missing_is_told_relative_to_what_took_part(
     system, until, momentum, energy
 ):
-    """`momentum` and `energy` are all that took part, in N s and J."""
+    """`momentum` and `energy` are all that took part, in N s and J.
+
+    A little of both is added to the first segment of a run whose balances close.
+    """
     run = tracked(system, until)
     closed_totals = totals_of(run)
-    # As much is missing in the first segment, whose numbers count in ticks.
     missing = 1e-3  # N s, and J
+    missing_in_ticks = missing / run.clock.tick  # as the numbers of a segment count
     first_segment = run.segments[1]
-    first_segment.momentum += missing / run.clock.tick
-    first_segment.vibration_energy += missing / run.clock.tick
+    first_segment.momentum += missing_in_ticks
+    first_segment.vibration_energy += missing_in_ticks
+    spoilt_totals = totals_of(run)
+    whole_run = make_run(run, until)
 
-    outcome = outcome_of(make_run(run, until), totals_of(run))
+    closed = outcome_of(whole_run, closed_totals)
+    outcome = outcome_of(whole_run, spoilt_totals)
 
     assert closed_totals.momentum_residual == pytest.approx(0.0, abs=1e-14)
     assert closed_totals.energy_residual == pytest.approx(0.0, abs=1e-14)
@@ -317,8 +345,7 @@ def test_what_is_missing_is_told_relative_to_what_took_part(
     assert outcome.energy_residual == pytest.approx(missing / energy, rel=1e-9)
     sentence = "does not close: .* of the momentum and .* of the energy"
     assert re.search(sentence, outcome.status)
-    closed_status = outcome_of(make_run(run, until), closed_totals).status
-    assert outcome.status.startswith(closed_status)
+    assert outcome.status.startswith(closed.status)
 
 
 def test_a_light_rod_that_hits_a_heavy_one_closes_its_balances():
@@ -329,5 +356,5 @@ def test_a_light_rod_that_hits_a_heavy_one_closes_its_balances():
     light = ri.Rod(0.0537, area=6.77e-12, material=steel, velocity=80.0)
     heavy = ri.Rod(5.56e-5, area=6.6e5, material=steel)
     outcome = ri.solve(ri.System([light, heavy]), until=1e-3).outcome
-    assert abs(outcome.momentum_residual) < 1e-12
+    assert abs(outcome.momentum_residual) < 1e-12  # round-off
     assert "balance" not in outcome.status

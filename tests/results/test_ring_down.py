@@ -20,11 +20,15 @@ def pair(material):
 
 def test_energy_falls_to_that_of_the_rigid_motion_as_the_slowest_mode_decays():
     solution = ri.solve(pair(LOSSY), until=8e-3, cells=20)
+
     decay = solution.ring_down()
-    vibration = decay.vibration
-    assert np.all(np.diff(vibration) <= 1e-12 * vibration[0])
+
+    vibration = decay.vibration  # J [state]
+    round_off = 1e-12 * vibration[0]
+    assert np.all(np.diff(vibration) <= round_off)
     assert vibration[-1] < 1e-5 * vibration[0]
-    assert decay.rigid == pytest.approx(solution.outcome.kinetic_after, rel=1e-9)
+    kinetic_after = solution.outcome.kinetic_after
+    assert decay.rigid == pytest.approx(kinetic_after, rel=1e-9)
     total = solution.energy(decay.times).total
     assert total == pytest.approx(decay.rigid + vibration, rel=1e-12)
     assert decay.momentum_change < 1e-13
@@ -33,8 +37,11 @@ def test_energy_falls_to_that_of_the_rigid_motion_as_the_slowest_mode_decays():
 
 def test_without_damping_vibration_never_decays():
     solution = ri.solve(pair(STEEL), until=3e-3, method="finite-difference", cells=40)
+
     decay = solution.ring_down()
-    assert decay.vibration == pytest.approx(decay.vibration[0], rel=1e-11)
+
+    at_start = decay.vibration[0]
+    assert decay.vibration == pytest.approx(at_start, rel=1e-11)
     assert decay.decay_time == math.inf
     assert decay.modal_decay_time == math.inf
     assert "never" in str(decay)
@@ -42,14 +49,18 @@ def test_without_damping_vibration_never_decays():
 
 def test_the_body_that_vibrates_longest_is_the_longest_rod_beside_a_mass():
     mass = ri.RigidMass(0.1, velocity=-1.0)
-    row = ri.System(
-        [*pair(LOSSY).bodies, mass], gaps=[0.0, 1e-2], contacts=[ri.Rigid()] * 2
-    )
+    bodies = [*pair(LOSSY).bodies, mass]
+    laws = [ri.Rigid(), ri.Rigid()]
+    row = ri.System(bodies, gaps=[0.0, 1e-2], contacts=laws)
     solution = ri.solve(row, until=12e-3, method="finite-difference", cells=20)
     assert solution.final
+
     decay = solution.ring_down()
-    assert decay.body == 1  # the rod of 1 m
-    assert decay.rigid == pytest.approx(solution.outcome.kinetic_after, rel=1e-9)
+
+    long_rod = 1  # the body of 1 m
+    kinetic_after = solution.outcome.kinetic_after
+    assert decay.body == long_rod
+    assert decay.rigid == pytest.approx(kinetic_after, rel=1e-9)
 
 
 def test_a_collision_that_is_not_over_has_no_ring_down():
