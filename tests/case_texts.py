@@ -21,12 +21,15 @@ A_GUM = "[materials.x]\nyoungs_modulus = 1\ndensity = 1\n"
 
 
 def with_area(area):
-    """A rod with another area."""
+    """The text of `A_ROD` with another text as its area."""
     return A_ROD.replace("1e-4", area)
 
 
 def problems(text, vary=None):
-    """{path: message} of the mistakes of a case file."""
+    """{path: message} of the mistakes for which a case file is refused.
+
+    It fails if the text is a right case, or if a mistake is reported twice.
+    """
     with pytest.raises(ri.InvalidModel) as caught:
         parse_case(text, vary=vary)
     paths = [path for path, _ in caught.value.problems]

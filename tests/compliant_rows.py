@@ -11,6 +11,9 @@ import rodimpact as ri
 SLOW = ri.Material("slow", youngs_modulus=1.0, density=1.0)
 QUICK = ri.Material("quick", youngs_modulus=3.0, density=1.5)
 KINDS = ("power", "dashpot", "yielding", "mixed")
+"""Laws of a row: powers of the overlap, such with dashpots, yielding ones, or any of
+these and rigid contacts.
+"""
 
 
 def between(rng, low, high):
@@ -29,17 +32,19 @@ def random_contact(rng, kind):
             return ri.Spring(stiffness)
         if choice == 1:
             return ri.Hertz(stiffness)
-        return ri.PowerLaw(stiffness, exponent=float(rng.uniform(1.0, 4.0)))
+        exponent = float(rng.uniform(1.0, 4.0))
+        return ri.PowerLaw(stiffness, exponent=exponent)
     if kind == "dashpot":
         if choice < 2:
             return ri.SpringDashpot(stiffness, damping=between(rng, 0.02, 5.0))
         return ri.HuntCrossley(stiffness, damping=between(rng, 0.05, 2.0))
     hardening = float(rng.choice([0.0, 0.1, 0.6])) * stiffness
-    return ri.Yielding(stiffness, between(rng, 0.03, 0.5), hardening)
+    yield_force = between(rng, 0.03, 0.5)
+    return ri.Yielding(stiffness, yield_force, hardening)
 
 
-def random_body(rng, speed):
-    """A uniform rod of random length, section and material."""
+def uniform_rod(rng, speed):
+    """A uniform rod of random length, section and material with a velocity, m/s."""
     return ri.Rod(
         length=float(rng.uniform(0.3, 1.0)),
         area=between(rng, 0.3, 3.0),
@@ -48,35 +53,47 @@ def random_body(rng, speed):
     )
 
 
-def random_compliant_row(kind, seed):
-    """A row of a kind, and the time to which to run it, s.
+def random_law_between(rng, kind, before, behind):
+    """A contact law of a kind that may stand between two bodies.
 
-    Bodies on the left are faster, so that something meets.
+    Of the kind "mixed" it is of any kind, or rigid; a rigid one needs a rod beside it.
+    """
+    law_kind = kind
+    if kind == "mixed":
+        law_kind = str(rng.choice(["power", "dashpot", "yielding", "rigid"]))
+    if law_kind != "rigid":
+        return random_contact(rng, law_kind)
+    if isinstance(before, ri.Rod) or isinstance(behind, ri.Rod):
+        return ri.Rigid()
+    return random_contact(rng, "power")
+
+
+def random_compliant_row(kind, seed):
+    """A row of a kind (see `KINDS`), and the time to which to run it, s.
+
+    It has two or three rods; a mixed one perhaps a mass; perhaps a wall on the right.
+    The first rod moves at 1 m/s and no rod is faster, so that something meets.
     """
     rng = np.random.default_rng([KINDS.index(kind), seed])
     bodies = []
     for i in range(rng.integers(2, 4)):
-        speed = float(rng.choice([0.0, 1.0 if i == 0 else -0.5, rng.uniform(-1, 1)]))
+        speed = float(rng.choice([0.0, -0.5, rng.uniform(-1, 1)]))
         if i == 0:
             speed = 1.0
-        bodies.append(random_body(rng, speed))
+        bodies.append(uniform_rod(rng, speed))
     if kind == "mixed" and rng.random() < 0.5:
         mass = ri.RigidMass(between(rng, 0.1, 2.0), velocity=float(rng.uniform(-1, 1)))
-        bodies.insert(rng.integers(len(bodies) + 1), mass)
+        place = rng.integers(len(bodies) + 1)
+        bodies.insert(place, mass)
     if rng.random() < 0.25:
         bodies.append(ri.Wall())
     contacts = []
     gaps = []
     for before, behind in pairwise(bodies):
-        contact_kind = kind
-        if kind == "mixed":
-            contact_kind = str(rng.choice(["power", "dashpot", "yielding", "rigid"]))
-        beside_rod = isinstance(before, ri.Rod) or isinstance(behind, ri.Rod)
-        if contact_kind == "rigid" and beside_rod:
-            contacts.append(ri.Rigid())
-        elif contact_kind == "rigid":
-            contacts.append(random_contact(rng, "power"))
-        else:
-            contacts.append(random_contact(rng, contact_kind))
-        gaps.append(float(rng.uniform(0, 0.3)) if rng.random() < 0.4 else 0.0)
-    return ri.System(bodies, gaps, contacts), float(rng.uniform(2.0, 5.0))
+        contacts.append(random_law_between(rng, kind, before, behind))
+        gap = 0.0
+        if rng.random() < 0.4:
+            gap = float(rng.uniform(0, 0.3))
+        gaps.append(gap)
+    until = float(rng.uniform(2.0, 5.0))
+    return ri.System(bodies, gaps, contacts), until

@@ -6,10 +6,13 @@ import pytest
 
 
 def few_of(cases, usual):
-    """Cases for `parametrize`: those that are `usual` run always, the others under the
-    marker.
+    """Cases for `parametrize`: those that are `usual` run always, the others only under
+    the marker `exhaustive`.
     """
-    return [
-        case if case in usual else pytest.param(case, marks=pytest.mark.exhaustive)
-        for case in cases
-    ]
+    marked_cases = []
+    for case in cases:
+        if case in usual:
+            marked_cases.append(case)
+        else:
+            marked_cases.append(pytest.param(case, marks=pytest.mark.exhaustive))
+    return marked_cases

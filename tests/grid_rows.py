@@ -11,10 +11,14 @@ from rodimpact.methods.grid.run import GridRun
 from rodimpact.methods.row_builder import build_row
 
 SECONDS = 3.0
+"""Time of a run, s: the longest transits take about one."""
 
 
 def thicken(rng, segment):
-    """The same segment, perhaps damped, with lateral inertia, or tapered."""
+    """The same segment, perhaps damped, with lateral inertia, or tapered.
+
+    Each of them happens by itself in about half of the cases.
+    """
     material = segment.material
     area = segment.area
     polar_moment = None
@@ -24,7 +28,8 @@ def thicken(rng, segment):
     if rng.random() < 0.4:
         polar_moment = logarithmic(rng, 1e-4, 1)
     if rng.random() < 0.4:
-        factors = rng.uniform(0.3, 3, rng.integers(2, 6))
+        n_places = rng.integers(2, 6)
+        factors = rng.uniform(0.3, 3, n_places)
         area = ri.Samples((area * factors).tolist())
         if polar_moment:
             polar_moment = "circular"
@@ -37,7 +42,9 @@ def thicken(rng, segment):
     )
     theory = None
     if polar_moment:
-        theory = "mindlin-herrmann" if rng.random() < 0.5 else "rayleigh-love"
+        theory = "rayleigh-love"
+        if rng.random() < 0.5:
+            theory = "mindlin-herrmann"
     if theory == "mindlin-herrmann" and polar_moment != "circular":
         # A smaller one would need a shorter step.
         polar_moment = max(polar_moment, 0.02 * area)
@@ -66,16 +73,22 @@ def random_row(seed, *, driven=False, bodies=5):
 
 
 def matrices(mesh):
-    """Mass, damping and stiffness of one piece: of its nodes, then of the radial
-    strains.
+    """Mass, damping and stiffness of a mesh of one piece, as dense matrices.
+
+    Their rows are those of its n nodes, then of the radial strains of its n - 1 cells
+    [2n - 1, 2n - 1].
     """
     n = len(mesh.mass)
     cells = mesh.cells
+    # They take differences: of nodes [cell, node], and of cells [inner node, cell].
     between_nodes = np.diff(np.eye(n), axis=0)
     between_cells = np.diff(np.eye(n - 1), axis=0)
 
     def of_cells(name):
-        """A property of the cells, as a column to weight their rows [cell, 1]."""
+        """A property of the cells, as a column to weight their rows [cell, 1].
+
+        Cell 0 of the mesh lies outside of the piece.
+        """
         return getattr(cells, name)[1:n, None]
 
     lateral = between_nodes.T @ (of_cells("lateral_inertia") * between_nodes)
@@ -95,12 +108,16 @@ def matrices(mesh):
 
 
 def grid_run(system, room, snapshots=None, step=STEP):
-    """A run of at most `room` steps that has not begun."""
-    plan = build_row(system)
-    counts, step = mesh_size(plan, cells=None, dt=step, until=None)
-    return GridRun(Mesh(plan, counts), step, snapshots, room)
+    """A run on a grid, a `GridRun`, that has not begun.
+
+    `room` is the number of steps that its memory is checked for, `step` the time step
+    in s, `snapshots` the number of states that are kept.
+    """
+    row = build_row(system)
+    cell_counts, step = mesh_size(row, cells=None, dt=step, until=None)
+    return GridRun(Mesh(row, cell_counts), step, snapshots, room)
 
 
 def run_row(system, until=SECONDS, step=STEP):
-    """A run on a grid, with as many events as it takes."""
+    """A run on a grid to `until`, s, a `GridRun`, with as many events as it takes."""
     return run_grid(build_row(system), until, max_events=10**9, dt=step)

@@ -13,11 +13,13 @@ needs_node = pytest.mark.skipif(NODE is None, reason="node is not installed")
 
 
 def run(script, data=None):
-    """What a script makes of JSON data: `answer(data)`."""
-    text = (
-        f"{script}\nconst data = JSON.parse(require('fs').readFileSync(0, 'utf8'));\n"
-    )
-    text += "process.stdout.write(JSON.stringify(answer(data)));"
+    """What `answer(data)` returns, a function that the script defines; data is JSON.
+
+    It fails if the script ends with an error.
+    """
+    read_data = "const data = JSON.parse(require('fs').readFileSync(0, 'utf8'));"
+    write_answer = "process.stdout.write(JSON.stringify(answer(data)));"
+    text = f"{script}\n{read_data}\n{write_answer}"
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder, "script.js")
         file.write_text(text, encoding="utf-8")

@@ -16,14 +16,17 @@ import numpy as np
 import rodimpact as ri
 
 UNIT_TIME = 1 / 16
-POINTS, WEIGHTS = np.polynomial.legendre.leggauss(16)
+"""Length of an interval, s; transit times are multiples of it."""
+POINTS, WEIGHTS_FROM_MINUS_1 = np.polynomial.legendre.leggauss(16)
 SHARES = (POINTS + 1) / 2
-WEIGHTS = WEIGHTS / 2
+"""The points as shares of an interval [point]."""
+WEIGHTS = WEIGHTS_FROM_MINUS_1 / 2
+"""Weights of the values at the points in the mean over an interval [point]."""
 
 
 def _integration():
     """Matrix from values at the points to integrals from the start of the interval to
-    them.
+    them, over the length of the interval [point, point].
     """
     columns = np.eye(len(SHARES))
     matrix = np.empty((len(SHARES), len(SHARES)))
@@ -69,7 +72,11 @@ class Motion(NamedTuple):
 
 
 def random_linear_row(seed):
-    """A row of one to four rods and masses whose ends are free, pushed or moved."""
+    """A row of one to four rods and masses whose ends are free, pushed or moved.
+
+    The first piece is a rod, and no two masses are neighbours. In 70 % of the cases all
+    velocities are equal at the start, those of moved ends too; else they jump.
+    """
     rng = np.random.default_rng([seed, 45])
     count = int(rng.integers(1, 5))
     jumping = rng.random() < 0.3
@@ -83,30 +90,36 @@ def random_linear_row(seed):
             velocity = pieces[0].velocity
         joint = None
         if i > 0 and rng.random() < 0.4:
-            joint = (float(rng.uniform(0.5, 20)), float(rng.choice([0.0, 0.3])))
+            stiffness = float(rng.uniform(0.5, 20))
+            damping = float(rng.choice([0.0, 0.3]))
+            joint = (stiffness, damping)
         if i > 0 and rng.random() < 0.3 and not after_mass:
-            if joint is None and not jumping:
-                velocity = pieces[-1].velocity
-            pieces.append(Piece(float(rng.uniform(0.1, 2)), 0, velocity))
+            mass = float(rng.uniform(0.1, 2))
+            pieces.append(Piece(mass, 0, velocity))
         else:
-            pieces.append(
-                Piece(float(rng.uniform(0.5, 3)), int(rng.integers(6, 20)), velocity)
-            )
+            impedance = float(rng.uniform(0.5, 3))
+            units = int(rng.integers(6, 20))
+            pieces.append(Piece(impedance, units, velocity))
         if i > 0:
             joints.append(joint)
-    drives = []
-    for side in (0, -1):
-        kind = rng.choice(["none", "velocity", "force"])
-        if pieces[side].units == 0 or kind == "none":
-            drives.append(None)
-            continue
-        rate = float(rng.uniform(1, 4))
-        size = float(rng.uniform(-0.7, 0.7))
-        start = 0.0
-        if kind == "velocity" and not jumping:
-            start = pieces[side].velocity
-        drives.append((str(kind), _sine(start, size, rate)))
+    drives = [random_drive(rng, pieces[side], jumping) for side in (0, -1)]
     return LinearRow(pieces, joints, drives)
+
+
+def random_drive(rng, piece, jumping):
+    """A sine as the drive of an end beside a piece, or None; masses are not driven.
+
+    A velocity begins with that of the piece if it is not to jump, a force with 0.
+    """
+    kind = rng.choice(["none", "velocity", "force"])
+    if piece.units == 0 or kind == "none":
+        return None
+    rate = float(rng.uniform(1, 4))
+    size = float(rng.uniform(-0.7, 0.7))
+    start = 0.0
+    if kind == "velocity" and not jumping:
+        start = piece.velocity
+    return str(kind), _sine(start, size, rate)
 
 
 def _sine(start, size, rate):
@@ -116,20 +129,18 @@ def _sine(start, size, rate):
 
 def system_of(row, until):
     """The same row for the package: wave speed 1, so that area and impedance are
-    equal.
+    equal. Its drives are given until `until`, s.
     """
     unit = ri.Material("unit", youngs_modulus=1.0, density=1.0)
     bodies = []
     for piece in row.pieces:
         if piece.units == 0:
             bodies.append(ri.RigidMass(piece.inertia, velocity=piece.velocity))
-        else:
-            length = piece.units * UNIT_TIME
-            bodies.append(
-                ri.Rod(
-                    length, area=piece.inertia, material=unit, velocity=piece.velocity
-                )
-            )
+            continue
+        length = piece.units * UNIT_TIME
+        impedance = piece.inertia
+        rod = ri.Rod(length, area=impedance, material=unit, velocity=piece.velocity)
+        bodies.append(rod)
     contacts = []
     for joint in row.joints:
         contacts.append(ri.Bonded() if joint is None else ri.Joint(*joint))
@@ -137,9 +148,10 @@ def system_of(row, until):
     for drive in row.drives:
         if drive is None:
             ends.append(ri.Free())
-        else:
-            kind = {"velocity": ri.Moved, "force": ri.Pushed}[drive[0]]
-            ends.append(kind(drive[1], duration=until))
+            continue
+        kind, function = drive
+        end_type = ri.Moved if kind == "velocity" else ri.Pushed
+        ends.append(end_type(function, duration=until))
     return ri.System(bodies, contacts=contacts, ends=tuple(ends))
 
 

@@ -54,28 +54,31 @@ class LumpedBlow:
 
 
 class Chain:
-    """The masses of a pile, their springs, and the soil at each of them."""
+    """The masses of a pile, their springs, and the soil at each of them.
+
+    There are as many springs as segments, and one mass more: [mass] from the head to
+    the toe. The two at the ends have half the mass and half the soil of the others.
+    """
 
     def __init__(self, pile, segments):
         self.pile = pile
         cell = pile.length / segments
-        mass = np.full(segments + 1, pile.density * pile.area * cell)
-        mass[[0, -1]] /= 2
         share = np.full(segments + 1, 1 / segments)
         share[[0, -1]] /= 2
-        self.mass = mass
-        self.stiffness = pile.modulus * pile.area / cell
-        self.ultimate = pile.shaft_resistance * share
-        self.u = np.zeros(segments + 1)
-        self.resistance = np.zeros(segments + 1)
-        self.toe_set = 0.0
+        mass = np.full(segments + 1, pile.density * pile.area * cell)
+        mass[[0, -1]] /= 2
+        self.mass = mass  # kg
+        self.stiffness = pile.modulus * pile.area / cell  # N/m, of each spring
+        self.ultimate = pile.shaft_resistance * share  # N, of the soil at each mass
+        self.u = np.zeros(segments + 1)  # displacements, m
+        self.resistance = np.zeros(segments + 1)  # N, static, as blows have left it
+        self.toe_set = 0.0  # m, by all blows so far
 
     def strike(self, duration, step):
-        """Integrate a blow in steps of so many seconds: velocities first, then
-        displacements.
+        """Integrate a blow of `duration` in steps of `step`, s; return a `LumpedBlow`.
 
-        The pile begins at rest, as the blow before has left it, and the ram at its
-        head.
+        Each step takes velocities first, then displacements. The pile begins at rest,
+        as the blow before has left it, and the ram at its head.
         """
         pile = self.pile
         soil_stiffness = self.ultimate / pile.quake
@@ -93,27 +96,30 @@ class Chain:
             tension = self.stiffness * np.diff(u)
             largest = max(largest, float(-tension.min()))
             cushion = max(0.0, pile.cushion * (ram - u[0]))
-            toe = toe_stiffness * max(0.0, u[-1] - toe_set)
-            toe = max(0.0, toe * (1 + pile.toe_damping * v[-1]))
+            static_toe = toe_stiffness * max(0.0, u[-1] - toe_set)
+            toe = max(0.0, static_toe * (1 + pile.toe_damping * v[-1]))
             damped = np.abs(resistance)
             if pile.is_viscous:
                 damped = self.ultimate
-            damping = pile.shaft_damping * damped
-            force = np.concatenate((tension, [0.0])) - np.concatenate(([0.0], tension))
+            damping = pile.shaft_damping * damped  # N s/m, at each mass
+            pulled_down = np.concatenate((tension, [0.0]))
+            pulled_up = np.concatenate(([0.0], tension))
+            force = pulled_down - pulled_up
             force[0] += cushion
             force[-1] -= toe
-            before = v
-            v = (v * (mass - step * damping / 2) + step * (force - resistance)) / (
+            # m (v - v_before)/step = force - resistance - damping (v + v_before)/2
+            v_before = v
+            kept_momentum = v_before * (mass - step * damping / 2)
+            v = (kept_momentum + step * (force - resistance)) / (
                 mass + step * damping / 2
             )
-            mean = (v + before) / 2
+            mean = (v + v_before) / 2
             soil_work += step * float((resistance + damping * mean) @ mean)
             ram_velocity -= step * cushion / pile.ram_mass
             u = u + step * v
             ram += step * ram_velocity
-            resistance = np.clip(
-                resistance + soil_stiffness * step * v, -self.ultimate, self.ultimate
-            )
+            elastic = resistance + soil_stiffness * step * v
+            resistance = np.clip(elastic, -self.ultimate, self.ultimate)
             toe_set = max(toe_set, u[-1] - pile.quake)
         set_of_blow = toe_set - self.toe_set
         self.u = u
@@ -123,13 +129,14 @@ class Chain:
 
 
 def strike(pile, segments, duration, step):
-    """The first blow on a pile."""
+    """The first blow on a pile: a `LumpedBlow`."""
     return Chain(pile, segments).strike(duration, step)
 
 
 def strike_again(pile, count, segments, duration, step):
-    """Sets of the toe by blows one after the other, each so long that the pile rests,
-    m.
+    """Sets of the toe, m, by each of `count` blows one after the other.
+
+    The pile has to come to rest within `duration`, s, of each.
     """
     chain = Chain(pile, segments)
     return [chain.strike(duration, step).toe_set for _ in range(count)]

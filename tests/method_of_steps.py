@@ -20,22 +20,29 @@ from numpy.polynomial import chebyshev
 NODES = 16
 POINTS = (1 - np.cos(np.pi * (np.arange(NODES) + 0.5) / NODES)) / 2  # in [0, 1]
 SHARES = np.concatenate([[0.0], POINTS, [1.0]])
-GRADING = 4.0 ** np.arange(-7, 1)  # parts of the stretch between two breaks
-NEAREST = 1e-8  # of a transit: intervals are graded towards an opening, too
-TAIL = 1e-14  # beside impulses of about 1
-CLOSED = 1e-14  # an overlap, beside 1, at which a contact opens
-MOST_TRANSITS = 6  # breaks that have crossed more rods are smooth
+"""Start, points and end of an interval, as shares of it."""
+GRADING = 4.0 ** np.arange(-7, 1)
+"""Ends of intervals, as parts of the stretch between two breaks."""
+NEAREST = 1e-8
+"""Share of a transit at which intervals are no longer graded towards an opening."""
+TAIL = 1e-14
+"""Largest last coefficients of an interval, beside impulses of about 1."""
+CLOSED = 1e-14
+"""Overlap, beside 1, at which a contact opens."""
+MOST_TRANSITS = 6
+"""Transits after which what was a break is smooth."""
 
 
 def _matrices():
-    """Integrals from 0 to the points and to 1, of the polynomial through values
-    there.
+    """Matrices from values at the points to Chebyshev coefficients [order, point], and
+    to integrals from 0 to the points and to 1 [point or end, point].
     """
     to_coefficients = np.linalg.inv(chebyshev.chebvander(2 * POINTS - 1, NODES - 1))
+    upper_ends = 2 * np.append(POINTS, 1.0) - 1
     integrals = np.zeros((NODES + 1, NODES))
     for n in range(NODES):
-        whole = chebyshev.chebint(np.eye(NODES)[n], lbnd=-1)
-        integrals[:, n] = chebyshev.chebval(2 * np.append(POINTS, 1.0) - 1, whole) / 2
+        primitive = chebyshev.chebint(np.eye(NODES)[n], lbnd=-1)
+        integrals[:, n] = chebyshev.chebval(upper_ends, primitive) / 2
     return to_coefficients, integrals @ to_coefficients
 
 
@@ -57,12 +64,9 @@ class Row(NamedTuple):
 
 
 def impulses(row, slope, until):
-    """Impulses at the end, and their derivatives where the row changes by `slope`.
+    """Impulses at `until`, and their derivatives where the row changes by `slope`.
 
-    Parameters
-    ----------
-    row, slope : Row
-    until : float
+    Both are [contact]; `row` and `slope` are a `Row` each.
     """
     contacts = range(len(row.gap))
     edges = [0.0]
@@ -75,29 +79,21 @@ def impulses(row, slope, until):
         begin = edges[-1]
         end = _next_edge(begin, breaks, row.T, until)
         changed = False
-        while True:
-            solved = [
-                _contact(
-                    row,
-                    slope,
-                    k,
-                    terms[k],
-                    begin,
-                    end - begin,
-                    P[k],
-                    Q[k],
-                    edges,
-                    history,
-                )
-                for k in contacts
-            ]
+        while True:  # with a shorter interval each time, until it is resolved
+            h = end - begin
+            solved = []
+            for k in contacts:
+                past = _Past(P[k], Q[k], edges, history)
+                solved.append(_contact(row, slope, k, terms[k], begin, h, past))
             change = min(s.change for s in solved)
+            tail = max(s.tail for s in solved)
             if change < 1 - 1e-13:
-                wait = change * (end - begin)  # until a contact opens or closes
+                # Intervals become shorter towards the change; the last one ends at it.
+                wait = change * h
                 changed = wait <= NEAREST * min(row.T)
                 end = begin + (wait if changed else 0.5 * wait)
-            elif max(s.tail for s in solved) > TAIL and end - begin > NEAREST:
-                end = begin + 0.5 * (end - begin)
+            elif tail > TAIL and h > NEAREST:
+                end = begin + 0.5 * h
             else:
                 break
         if changed:
@@ -110,25 +106,34 @@ def impulses(row, slope, until):
 
 
 def _arrivals(start, T, until):
-    """Times at which what happens at `start` may arrive anywhere."""
+    """Times before `until` at which what happens at `start` may arrive anywhere.
+
+    They are sums of `start` and up to `MOST_TRANSITS` transit times, in order; of those
+    that are equal but for round-off one is kept.
+    """
     times_of_arrival = {start}
     newest = {start}
     for _ in range(MOST_TRANSITS):
-        newest = {t + transit for t in newest for transit in T if t + transit < until}
+        later = {t + transit for t in newest for transit in T}
+        newest = {t for t in later if t < until}
         times_of_arrival |= newest
     times = np.array(sorted(times_of_arrival))
-    return times[np.append(True, np.diff(times) > 1e-12)]
+    is_apart = np.diff(times) > 1e-12
+    return times[np.append(True, is_apart)]
 
 
 def _next_edge(begin, breaks, T, until):
-    """End of the interval: the stretch to the next break is graded, small intervals
-    first.
+    """End of the interval from `begin` on: the stretch between two breaks is graded,
+    small intervals first. It is shorter than half the shortest transit.
     """
-    last = breaks[np.searchsorted(breaks, begin + 1e-13) - 1]
-    after = breaks[breaks > begin + 1e-13]
-    stop = min(after[0] if len(after) else until, until)
+    just_after = begin + 1e-13
+    last = breaks[np.searchsorted(breaks, just_after) - 1]
+    later_breaks = breaks[breaks > just_after]
+    stop = until
+    if len(later_breaks):
+        stop = min(later_breaks[0], until)
     graded = last + (stop - last) * GRADING
-    graded = graded[graded > begin + 1e-13]
+    graded = graded[graded > just_after]
     return min(graded[0], begin + 0.9 * min(T) / 2, stop)
 
 
@@ -174,6 +179,15 @@ def _terms(row, slope, k, until):
     return terms
 
 
+class _Past(NamedTuple):
+    """What is known of a contact and of all contacts before an interval."""
+
+    P: float  # impulse at its start
+    Q: float  # derivative of this impulse
+    edges: list  # of the earlier intervals
+    history: list  # of each interval: [contact, (P, force, Q), node]
+
+
 class _Solved(NamedTuple):
     """One contact over one interval, at the points and at the end."""
 
@@ -186,16 +200,17 @@ class _Solved(NamedTuple):
     tail: float  # last coefficients of the force, or of its derivative
 
 
-def _contact(row, slope, k, terms, begin, h, P0, Q0, edges, history):
-    """Collocation of one contact over one interval."""
+def _contact(row, slope, k, terms, begin, h, past):
+    """Collocation of contact k over the interval of length h from `begin` on:
+    `_Solved`.
+    """
     times = begin + h * SHARES
     free = (row.v[k] - row.v[k + 1]) * times - row.gap[k]
     by_number = (slope.v[k] - slope.v[k + 1]) * times - slope.gap[k]
     # `free` becomes the overlap without the impulse of this contact, `by_number` its
     # derivative.
     for sender, delay, w, delay_slope, w_slope in terms:
-        sent_at = times - delay
-        earlier_P, earlier_F, earlier_Q = _earlier(sent_at, sender, edges, history)
+        earlier_P, earlier_F, earlier_Q = _earlier(times - delay, sender, past)
         free += w * earlier_P
         by_number += w_slope * earlier_P + w * (earlier_Q - earlier_F * delay_slope)
     c = 1 / row.Z[k] + 1 / row.Z[k + 1]
@@ -203,43 +218,51 @@ def _contact(row, slope, k, terms, begin, h, P0, Q0, edges, history):
     K = row.K[k]
     p = row.p[k]
     inner = INTEGRAL[:-1] * h
+
+    # Newton's method for F = K d^p at the points, where d = free - c P.
     force = np.zeros(NODES)
     for _ in range(60):
-        d = free[1:-1] - c * (P0 + inner @ force)
+        d = free[1:-1] - c * (past.P + inner @ force)
         stiffness = K * p * np.maximum(d, 0.0) ** (p - 1) * (d > 0)
         off = force - K * np.maximum(d, 0.0) ** p
-        step = np.linalg.solve(np.eye(NODES) + (c * stiffness)[:, None] * inner, off)
+        jacobian = np.eye(NODES) + (c * stiffness)[:, None] * inner
+        step = np.linalg.solve(jacobian, off)
         force -= step
         if np.abs(step).max() <= 1e-15 * (1 + np.abs(force).max()):
             break
-    P = P0 + inner @ force
-    P_end = P0 + h * INTEGRAL[-1] @ force
-    overlap = free - c * np.concatenate([[P0], P, [P_end]])
+    P = past.P + inner @ force
+    P_end = past.P + h * INTEGRAL[-1] @ force
+    overlap = free - c * np.concatenate([[past.P], P, [P_end]])
+
+    # The same equation, differentiated: Q' = stiffness d_slope + d^p (K_slope + ...).
     inside = overlap[1:-1]
-    slope_of_known = by_number[1:-1] - c_slope * P - c * Q0
+    slope_of_known = by_number[1:-1] - c_slope * P - c * past.Q
     with np.errstate(divide="ignore", invalid="ignore"):
-        by_exponent = np.where(inside > 0, np.log(inside), 0.0)
+        logarithm = np.where(inside > 0, np.log(inside), 0.0)
     pushed = np.maximum(inside, 0.0) ** p
-    source = stiffness * slope_of_known + pushed * (
-        slope.K[k] + K * by_exponent * slope.p[k]
-    )
-    rate = np.linalg.solve(np.eye(NODES) + (c * stiffness)[:, None] * inner, source)
-    Q = Q0 + inner @ rate
-    Q_end = Q0 + h * INTEGRAL[-1] @ rate
-    tail = h * np.abs(TO_COEFFICIENTS[-2:] @ np.array([force, rate]).T).max()
+    law_slope = pushed * (slope.K[k] + K * logarithm * slope.p[k])
+    source = stiffness * slope_of_known + law_slope
+    jacobian = np.eye(NODES) + (c * stiffness)[:, None] * inner
+    rate = np.linalg.solve(jacobian, source)
+    Q = past.Q + inner @ rate
+    Q_end = past.Q + h * INTEGRAL[-1] @ rate
+    last_coefficients = TO_COEFFICIENTS[-2:] @ np.array([force, rate]).T
+    tail = h * np.abs(last_coefficients).max()
     return _Solved(P, force, Q, P_end, Q_end, _crossing(overlap), tail)
 
 
-def _earlier(times, j, edges, history):
-    """P, force and Q of contact j at earlier times; 0 before the start."""
+def _earlier(times, j, past):
+    """P, force and Q of contact j at earlier times [3, time]; 0 before the start."""
+    edges = past.edges
     values = np.zeros((3, len(times)))
-    interval = np.clip(
-        np.searchsorted(edges, times, side="right") - 1, -1, len(history) - 1
-    )
-    for i in np.unique(interval[times > 0]):
-        here = (interval == i) & (times > 0)
+    interval = np.searchsorted(edges, times, side="right") - 1
+    interval = np.clip(interval, -1, len(past.history) - 1)
+    has_begun = times > 0
+    for i in np.unique(interval[has_begun]):
+        here = (interval == i) & has_begun
         x = 2 * (times[here] - edges[i]) / (edges[i + 1] - edges[i]) - 1
-        values[:, here] = chebyshev.chebval(x, (history[i][j] @ TO_COEFFICIENTS.T).T)
+        coefficients = past.history[i][j] @ TO_COEFFICIENTS.T
+        values[:, here] = chebyshev.chebval(x, coefficients.T)
     return values
 
 
@@ -248,11 +271,13 @@ def _crossing(overlap):
     not.
     """
     sign = np.where(np.abs(overlap) <= CLOSED, 0, np.sign(overlap))
-    seen = np.flatnonzero(sign)
-    opposite = seen[sign[seen] != sign[seen[:1]]]
+    decided = np.flatnonzero(sign)
+    first = decided[:1]
+    opposite = decided[sign[decided] != sign[first]]
     if len(opposite) == 0:
         return 1.0
     after = opposite[0]
     before = after - 1
+    # The overlap is taken as straight between both points.
     part = overlap[before] / (overlap[before] - overlap[after])
     return float(SHARES[before] + (SHARES[after] - SHARES[before]) * part)

@@ -6,7 +6,10 @@ import rodimpact as ri
 
 
 def problems(make):
-    """Messages of the mistakes by their paths, each path once."""
+    """{path: message} of the mistakes for which `make()` is refused.
+
+    It fails if `make()` is not refused, or names a path twice.
+    """
     with pytest.raises(ri.InvalidModel) as caught:
         make()
     messages = dict(caught.value.problems)
@@ -15,8 +18,9 @@ def problems(make):
 
 
 def assert_told(make, expected):
-    """That these mistakes are told, by their paths: a part of each message, or = and
-    all of it.
+    """`make()` is refused for exactly these mistakes, in this order: {path: text}.
+
+    A text is a part of the message; after a leading "=" it is all of it.
     """
     messages = problems(make)
     assert list(messages) == list(expected)
@@ -28,7 +32,10 @@ def assert_told(make, expected):
 
 
 def refused(match, function, *args, **options):
-    """Paths of the mistakes of a call, whose message is as said."""
+    """Paths of the mistakes for which a call is refused; the whole message must match.
+
+    Arguments after `function` are handed to it.
+    """
     with pytest.raises(ri.InvalidModel, match=match) as caught:
         function(*args, **options)
     return [path for path, _ in caught.value.problems]

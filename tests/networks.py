@@ -7,13 +7,18 @@ import numpy as np
 
 import rodimpact as ri
 
-STEP = 1 / 32  # of a grid
+STEP = 1 / 32
+"""Time step of a grid, s."""
 UNIT = ri.Material("unit", youngs_modulus=1.0, density=1.0)
+"""Bar speed 1 m/s, and an impedance of 1 N s/m for each m^2."""
 QUICK = ri.Material("quick", youngs_modulus=8.0, density=2.0)
+"""Bar speed 2 m/s."""
 
 
 def unit_rod(length=1.0, area=1.0, **state):
-    """A rod whose transit time is its length and whose impedance is its area."""
+    """A rod of `UNIT`: its transit time is its length, and its impedance and its mass
+    per length are its area. `state` is its velocity and strain.
+    """
     return ri.Rod(length, area=area, material=UNIT, **state)
 
 
@@ -23,14 +28,17 @@ def logarithmic(rng, low, high):
 
 
 def random_state(rng, length, scale):
-    """A profile along a rod: a number, steps at 32nds of its length, or samples."""
+    """A profile along a rod: a number, steps at 32nds of its length, or samples.
+
+    Its values lie between -scale and scale.
+    """
     kind = rng.random()
     if kind < 0.5:
         return float(scale * rng.uniform(-1, 1))
-    values = (scale * rng.uniform(-1, 1, rng.integers(2, 7))).tolist()
+    n_values = rng.integers(2, 7)
+    values = (scale * rng.uniform(-1, 1, n_values)).tolist()
     if kind < 0.75:
-        n_jumps = len(values) - 1
-        jumps = rng.choice(np.arange(1, 32), size=n_jumps, replace=False)
+        jumps = rng.choice(np.arange(1, 32), size=n_values - 1, replace=False)
         places = np.sort(jumps) / 32 * length
         return ri.Steps(values, places.tolist())
     return ri.Samples(values)
@@ -73,7 +81,10 @@ def random_joint(rng):
 
 
 def random_law(rng, left, right):
-    """A random contact law that may stand between these two bodies."""
+    """A random contact law, bond or joint that may stand between these two bodies.
+
+    In 30 % of the cases it is much stiffer than rods, whose stiffnesses are about 1.
+    """
     between_walls = isinstance(left, ri.Wall) and isinstance(right, ri.Wall)
     if rng.random() < 0.12 and not between_walls:
         return ri.Bonded()
@@ -87,6 +98,7 @@ def random_law(rng, left, right):
     if kind == 0:
         if isinstance(left, ri.Rod) or isinstance(right, ri.Rod):
             return ri.Rigid()
+        # Between masses and walls no waves decide how the bodies part.
         return ri.Rigid(restitution=float(rng.choice([0, 1, 0.6])))
     # All laws are made, so that a seed makes the same row whatever its law is.
     laws = [
@@ -96,15 +108,15 @@ def random_law(rng, left, right):
         ri.HuntCrossley(stiffness, logarithmic(rng, 1e-2, 10)),
         ri.Yielding(
             stiffness,
-            logarithmic(rng, 1e-3, 1.0),
-            float(stiffness * rng.choice([0.0, 0.1, 0.8])),
+            yield_force=logarithmic(rng, 1e-3, 1.0),
+            hardening=float(stiffness * rng.choice([0.0, 0.1, 0.8])),
         ),
     ]
     return laws[kind - 1]
 
 
 def random_drive(rng, scale):
-    """A number, steps or samples of time."""
+    """A number, steps or samples of time, with values between -scale and scale."""
     kind = rng.integers(3)
     if kind == 0:
         return float(scale * rng.uniform(-1, 1))
@@ -134,11 +146,15 @@ def random_end(rng, body, driven):
 
 
 def move_together(bodies, contacts):
-    """Give rigid bodies that are bonded the velocity of the first, or of their wall."""
+    """Give rigid bodies that are bonded one velocity: of the first, or of their wall.
+
+    Masses in `bodies` are replaced in place. The velocity is handed on from body to
+    body, first to the right, then to the left, as a wall may stand on either side.
+    """
     rightward = [(i, i + 1) for i in range(len(contacts))]
     leftward = [(j, i) for i, j in reversed(rightward)]
     for leader, follower in [*rightward, *leftward]:
-        law = contacts[min(leader, follower)]
+        law = contacts[min(leader, follower)]  # the contact between both
         follows = isinstance(bodies[follower], ri.RigidMass)
         leads = not isinstance(bodies[leader], ri.Rod)
         if isinstance(law, ri.Bonded) and follows and leads:
@@ -155,12 +171,16 @@ def random_body(rng):
 
 
 def random_network(seed, *, bodies=5, driven=False):
-    """A row; only a driven one has gravity, moving walls and drives."""
+    """A row of up to `bodies` rods and masses, at least one of them a rod.
+
+    It may have walls beside these. Only a driven one has gravity, moving walls and
+    drives.
+    """
     rng = np.random.default_rng(seed)
     row = [random_body(rng) for _ in range(rng.integers(1, bodies + 1))]
     if not any(isinstance(body, ri.Rod) for body in row):
         row[rng.integers(len(row))] = random_rod(rng)
-    for index in (0, len(row) + 1):
+    for index in (0, len(row) + 1):  # before the first body, behind the last
         if rng.random() < 0.3:
             velocity = 0.0
             if driven and rng.random() < 0.5:

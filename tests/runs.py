@@ -15,20 +15,25 @@ from rodimpact.methods.run import MAX_EVENTS
 from rodimpact.results.solution import Solution
 
 MAKERS = {FrontRun: fronts.make_run, GridRun: grid.make_run}
+"""What makes the `Run` of a solution, by the class of a method's own run."""
 
 
 def tracked(system, until=None, max_events=MAX_EVENTS):
-    """A run by fronts, before a `Run` is made of it."""
+    """The method's own run by fronts, a `FrontRun`, to `until`, s."""
     return fronts.run_fronts(build_row(system), until, max_events)
 
 
 def solution_of(run, until=None):
-    """The solution that a run by fronts or on a grid makes."""
-    return Solution(MAKERS[type(run)](run, until), Options(until))
+    """The solution that a run by fronts (`FrontRun`) or on a grid (`GridRun`) makes."""
+    make_run = MAKERS[type(run)]
+    return Solution(make_run(run, until), Options(until))
 
 
 def bits_of(system, until, compiling, max_events=4000):
-    """All that a run by fronts leaves, bit for bit."""
+    """All that a run by fronts leaves, bit for bit: a list of bytes.
+
+    The kernels are compiled if `compiling`, and else interpreted by Python.
+    """
     with kernels.forced(compiling):
         run = tracked(system, until, max_events)
     assert run.batch.is_compiled == compiling
@@ -52,17 +57,23 @@ def records_of(run):
 
 
 def group_of(run, contact, right):
-    """Record of the bonded group on the right of a contact, or else on its left, with
-    its mean motion and the bounds of its end by the proof.
+    """Record of the bonded group on the right of a contact if `right`, else on its
+    left, with its mean motion and the bounds of its end by the proof.
+
+    Both are found now, at the present time of the run.
     """
-    k = run.layout.contacts[contact]
-    for find in (finality.find_mean_motions, finality.bound_deviations):
-        find(records_of(run), k, run.run.now)
-    return run.segments[k + right]
+    node = run.layout.contacts[contact]
+    records = records_of(run)
+    finality.find_mean_motions(records, node, run.run.now)
+    finality.bound_deviations(records, node, run.run.now)
+    return run.segments[node + right]
 
 
 def step_ends(solution):
-    """Ends of all steps of a run on a grid, s, from t = 0 on [step + 1]."""
+    """Ends of all steps of a run on a grid, s, from t = 0 on [step + 1].
+
+    The last step may go a little beyond the end of the run, where it is cut.
+    """
     ends = solution.run.signals.edges * solution.fields.clock.tick
     return np.minimum(ends, solution.t_end)
 
