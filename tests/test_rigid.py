@@ -3,6 +3,7 @@ numbers.
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -21,37 +22,54 @@ RESTITUTION = st.floats(0, 1)
 # --------------------------------------------------------------------------------------
 
 
-def size_and_momentum(m1, v1, m2, v2):
-    """Sum of the magnitudes of both momenta, which scales round-off, and their sum."""
-    return m1 * abs(v1) + m2 * abs(v2), m1 * v1 + m2 * v2
+class Collisions(NamedTuple):
+    """Ten thousand random collisions, kg and m/s, and what they come to."""
+
+    m1: np.ndarray
+    v1: np.ndarray
+    m2: np.ndarray
+    v2: np.ndarray
+    after: rigid.RigidCollision
 
 
-def test_momentum_is_kept_and_energy_never_gained_in_ten_thousand_collisions():
+@pytest.fixture(scope="module")
+def collisions():
+    """`Collisions` of masses from 1 mg to 1000 t; the faster body is on the left."""
     rng = np.random.default_rng(1)
     m1, m2 = 10.0 ** rng.uniform(-6, 6, size=(2, 10_000))
-    v2, v1 = np.sort(rng.normal(scale=10.0, size=(2, 10_000)), axis=0)
+    velocities = rng.normal(scale=10.0, size=(2, 10_000))
+    v2, v1 = np.sort(velocities, axis=0)
     restitution = rng.uniform(-1, 1, size=10_000)
-
     after = rigid.collide(m1, v1, m2, v2, restitution)
+    return Collisions(m1, v1, m2, v2, after)
 
+
+def test_momentum_is_kept_and_the_impulse_is_the_change_of_either_momentum(collisions):
+    m1, v1, m2, v2, after = collisions
     w1 = after.velocity_1
     w2 = after.velocity_2
-    size_before, momentum_before = size_and_momentum(m1, v1, m2, v2)
-    size_after, momentum_after = size_and_momentum(m1, w1, m2, w2)
-    round_off = 4 * EPS * (size_before + size_after)
+    momentum_before = m1 * v1 + m2 * v2
+    momentum_after = m1 * w1 + m2 * w2
+    magnitudes_before = m1 * abs(v1) + m2 * abs(v2)
+    magnitudes_after = m1 * abs(w1) + m2 * abs(w2)
+    round_off = 4 * EPS * (magnitudes_before + magnitudes_after)
     assert np.all(abs(momentum_after - momentum_before) <= round_off)
     assert np.all(abs(m2 * (w2 - v2) - after.impulse) <= round_off)
     assert np.all(abs(m1 * (v1 - w1) - after.impulse) <= round_off)
-    lost = after.energy_before - after.energy_after
-    energy_round_off = 8 * EPS * after.energy_before
-    assert np.all(lost >= -energy_round_off)
+
+
+def test_energy_is_never_gained_and_what_is_lost_is_the_difference(collisions):
+    after = collisions.after
+    difference = after.energy_before - after.energy_after
+    round_off = 8 * EPS * after.energy_before
+    assert np.all(difference >= -round_off)
     assert np.all(after.energy_lost >= 0)
-    assert np.all(abs(lost - after.energy_lost) <= energy_round_off)
+    assert np.all(abs(difference - after.energy_lost) <= round_off)
 
 
 @given(MASS, VELOCITY, MASS, VELOCITY, RESTITUTION)
 def test_velocities_after_have_the_restitution_that_was_given(m1, v1, m2, v2, e):
-    assume(v1 - v2 > 1e-3)
+    assume(v1 - v2 > 1e-3)  # m/s: a slower approach loses digits of e
     after = rigid.collide(m1, v1, m2, v2, e)
     w1 = after.velocity_1
     w2 = after.velocity_2
@@ -60,19 +78,21 @@ def test_velocities_after_have_the_restitution_that_was_given(m1, v1, m2, v2, e)
 
 
 @given(MASS, VELOCITY, MASS, VELOCITY, RESTITUTION, VELOCITY)
-def test_a_collision_is_the_same_in_a_moving_frame_and_in_a_mirror(
-    m1, v1, m2, v2, e, u
-):
+def test_velocities_after_are_the_same_in_a_moving_frame(m1, v1, m2, v2, e, u):
     assume(v1 - v2 > 1e-3)
     after = rigid.collide(m1, v1, m2, v2, e)
     moving = rigid.collide(m1, v1 + u, m2, v2 + u, e)
-    mirror = rigid.collide(m2, -v2, m1, -v1, e)
-    v1_after = pytest.approx(after.velocity_1, abs=1e-12)
-    v2_after = pytest.approx(after.velocity_2, abs=1e-12)
-    assert moving.velocity_1 - u == v1_after
-    assert moving.velocity_2 - u == v2_after
-    assert -mirror.velocity_2 == v1_after
-    assert -mirror.velocity_1 == v2_after
+    assert moving.velocity_1 - u == pytest.approx(after.velocity_1, abs=1e-12)
+    assert moving.velocity_2 - u == pytest.approx(after.velocity_2, abs=1e-12)
+
+
+@given(MASS, VELOCITY, MASS, VELOCITY, RESTITUTION)
+def test_a_collision_is_the_same_in_a_mirror(m1, v1, m2, v2, e):
+    assume(v1 - v2 > 1e-3)
+    after = rigid.collide(m1, v1, m2, v2, e)
+    mirror = rigid.collide(m2, -v2, m1, -v1, e)  # body 2 is on the left in it
+    assert -mirror.velocity_2 == pytest.approx(after.velocity_1, abs=1e-12)
+    assert -mirror.velocity_1 == pytest.approx(after.velocity_2, abs=1e-12)
     assert mirror.impulse == pytest.approx(after.impulse)
     assert mirror.energy_lost == pytest.approx(after.energy_lost)
 
@@ -96,9 +116,10 @@ def test_a_restitution_of_minus_one_changes_nothing(m1, v1, m2, v2):
 
 
 def test_a_moving_wall_keeps_its_velocity_and_has_infinite_energy():
-    """A wall of infinite mass: the body comes at 12 m/s and leaves it at 12 m/s."""
-    after = rigid.collide(0.5, 10.0, math.inf, -2.0, 1.0)
+    """A wall is a body of infinite mass."""
+    after = rigid.collide(m1=0.5, v1=10.0, m2=math.inf, v2=-2.0, restitution=1.0)
     assert after.velocity_2 == -2.0
+    # The body comes to the wall with 12 m/s, and leaves it with 12 m/s.
     assert after.velocity_1 == -14.0
     assert after.energy_before == math.inf
     assert after.energy_after == math.inf
@@ -111,8 +132,9 @@ def test_a_moving_wall_keeps_its_velocity_and_has_infinite_energy():
 
 @pytest.mark.parametrize("n", [1, 5])
 def test_a_stack_of_light_balls_tends_to_the_square_of_two_to_the_n_less_one(n):
+    """Its top is thrown to that many times the height of the drop."""
     masses = 1e-9 ** np.arange(n)  # from below, each much lighter than the last
-    drop = rigid.stack_drop(masses, np.ones(n), 1.0)
+    drop = rigid.stack_drop(masses, restitutions=np.ones(n), height=1.0)
     assert drop.top_height == pytest.approx((2**n - 1) ** 2, rel=1e-6)
 
 
@@ -120,13 +142,18 @@ def test_a_stack_is_a_row_of_collisions():
     """The lowest ball, thrown back by the ground, meets the second, and that one the
     third; these still fall at v.
     """
-    v = math.sqrt(2 * 9.81 * 1.5)
-    first = rigid.collide(3.0, 0.9 * v, 2.0, -v, 0.8)
-    second = rigid.collide(2.0, first.velocity_2, 1.0, -v, 0.7)
-    drop = rigid.stack_drop([3.0, 2.0, 1.0], [0.9, 0.8, 0.7], 1.5)
+    g = 9.81  # m/s^2
+    height = 1.5  # m
+    v = math.sqrt(2 * g * height)
+    thrown_back = 0.9 * v
+    first = rigid.collide(m1=3.0, v1=thrown_back, m2=2.0, v2=-v, restitution=0.8)
+    second = rigid.collide(m1=2.0, v1=first.velocity_2, m2=1.0, v2=-v, restitution=0.7)
     expected = [first.velocity_1, second.velocity_1, second.velocity_2]
+
+    drop = rigid.stack_drop([3.0, 2.0, 1.0], [0.9, 0.8, 0.7], height)
+
     assert drop.velocities == pytest.approx(expected)
-    assert drop.top_height == pytest.approx(second.velocity_2**2 / (2 * 9.81))
+    assert drop.top_height == pytest.approx(second.velocity_2**2 / (2 * g))
 
 
 # Shapes
@@ -136,12 +163,16 @@ def test_a_stack_is_a_row_of_collisions():
 def test_shapes_of_results_are_those_of_the_broadcast_arguments():
     column = np.array([[1.0], [2.0]])
     row = np.array([0.0, 0.5, 1.0])
-    after = rigid.collide(column, 1.0, 1.0, 0.0, row)
+    masses_of_3_stacks = np.ones((3, 2))  # [stack, ball]
+
+    after = rigid.collide(m1=column, v1=1.0, m2=1.0, v2=0.0, restitution=row)
+    drop = rigid.stack_drop(masses_of_3_stacks, [0.9, 0.9], height=column)
+    reduced_mass = rigid.reduced_mass(column, row + 1)
+
     assert {entry.shape for entry in after} == {(2, 3)}
-    drop = rigid.stack_drop(np.ones((3, 2)), [0.9, 0.9], column)  # [stack, ball]
     assert drop.velocities.shape == (2, 3, 2)
     assert drop.top_height.shape == (2, 3)
-    assert rigid.reduced_mass(column, row + 1).shape == (2, 3)
+    assert reduced_mass.shape == (2, 3)
 
 
 # Refusals
@@ -152,10 +183,13 @@ COLLISION = {"m1": 1.0, "v1": 1.0, "m2": 2.0, "v2": 0.0, "restitution": 0.5}
 
 @pytest.mark.parametrize("e", [1.1, -1.1])
 def test_a_restitution_beyond_1_needs_permission_and_releases_energy(e):
+    collision = {"m1": 1.0, "v1": 1.0, "m2": 1.0, "v2": 0.0}
     message = rf"restitution\[1\]: .*, got {e}, .*set allow_energy_release=True"
+
     with pytest.raises(ValueError, match=message):
-        rigid.collide(1.0, 1.0, 1.0, 0.0, [0.5, e])
-    after = rigid.collide(1.0, 1.0, 1.0, 0.0, e, allow_energy_release=True)
+        rigid.collide(**collision, restitution=[0.5, e])
+    after = rigid.collide(**collision, restitution=e, allow_energy_release=True)
+
     assert after.energy_lost < 0
 
 
@@ -175,7 +209,7 @@ def test_a_restitution_beyond_1_needs_permission_and_releases_energy(e):
 )
 def test_impossible_collisions_are_refused(changes, message):
     with pytest.raises(ValueError, match=message):
-        rigid.collide(**{**COLLISION, **changes})
+        rigid.collide(**(COLLISION | changes))
 
 
 @pytest.mark.parametrize(

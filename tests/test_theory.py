@@ -14,7 +14,8 @@ from hypothesis import strategies as st
 from rodimpact import theory
 
 EPS = np.finfo(float).eps
-CLOSED_FORM_TOL = 8 * EPS  # of closed forms beside waves that are followed exactly
+CLOSED_FORM_TOL = 8 * EPS
+"""Round-off of closed forms, beside waves that are followed in exact arithmetic."""
 POSITIVE = st.floats(1e-3, 1e3)
 PAIR = st.tuples(POSITIVE, POSITIVE, POSITIVE, POSITIVE)
 """Impedance and transit time of one rod, then of the other."""
@@ -32,8 +33,9 @@ class Waves(NamedTuple):
 def follow_waves(Z1: int, T1: int, Z2: int, T2: int) -> Waves:
     """Rod 1 hits rod 2 at rest with velocity 1: signals at the contact, tick by tick.
 
-    A wave that leaves the contact returns after a round trip, 2T, unchanged by the free
-    end.
+    Z are impedances, T transit times in ticks. A wave that leaves the contact returns
+    after a round trip, 2T, unchanged by the free end. An end moves with the wave that
+    returns, minus or plus F/Z, and sends back a wave that is twice as far from it.
     """
     mobility = Fraction(1, Z1) + Fraction(1, Z2)
     # Waves that have left the contact into each rod, by tick: at first one round trip
@@ -45,9 +47,9 @@ def follow_waves(Z1: int, T1: int, Z2: int, T2: int) -> Waves:
     opening = None
     for tick in range(12 * max(T1, T2)):
         a = leaving_1[-2 * T1]  # what returns from rod 1
-        b = leaving_2[-2 * T2]
+        b = leaving_2[-2 * T2]  # what returns from rod 2
         F = Fraction(0)
-        if gap == 0:
+        if gap == 0:  # the force that lets both ends move alike, if it pushes
             F = max(F, (a - b) / mobility)
         forces.append(F)
         leaving_1.append(a - 2 * F / Z1)
@@ -66,9 +68,10 @@ def mean_and_vibration(signal: list[Fraction], Z: int) -> tuple[Fraction, Fracti
     """Velocity of the centre of mass and energy about it, from one round trip of an end
     signal: a tick of it has the mass Z/2.
     """
+    mass_of_tick = Fraction(Z, 2)
     mean = sum(signal) / len(signal)
-    deviations = sum((value - mean) ** 2 for value in signal)
-    return mean, Fraction(Z, 4) * deviations
+    squares = sum((value - mean) ** 2 for value in signal)
+    return mean, mass_of_tick / 2 * squares
 
 
 WHOLE_NUMBERS = list(product([1, 2, 7], [1, 2, 5], [1, 2, 3], [1, 3, 5]))
@@ -85,21 +88,22 @@ def test_the_closed_form_of_two_rods_agrees_with_waves(numbers):
     impulse = float(sum(waves.force))
     peak_force = float(max(waves.force))
     pressed_ticks = [tick for tick, F in enumerate(waves.force) if F > 0]
-    reduced_mass = Z1 * T1 * Z2 * T2 / (Z1 * T1 + Z2 * T2)
-    energy_round_off = CLOSED_FORM_TOL * reduced_mass / 2
+    m1 = Z1 * T1
+    m2 = Z2 * T2
+    energy_to_share = m1 * m2 / (m1 + m2) / 2  # of the relative motion
+    energy_round_off = CLOSED_FORM_TOL * energy_to_share
     vibration_energy = float(waves.vibration_energy)
+    restitution = float(waves.restitution)
 
     pair = theory.saint_venant(Z1, T1, Z2, T2)
 
-    assert pair.restitution == pytest.approx(
-        float(waves.restitution), abs=CLOSED_FORM_TOL
-    )
+    assert pair.restitution == pytest.approx(restitution, abs=CLOSED_FORM_TOL)
     assert pair.impulse == pytest.approx(impulse, rel=CLOSED_FORM_TOL, abs=0)
     assert pair.peak_force == pytest.approx(peak_force, rel=CLOSED_FORM_TOL, abs=0)
     assert pair.duration == pressed_ticks[-1] + 1
     assert pair.opening == waves.opening
-    vibration = pytest.approx(vibration_energy, abs=energy_round_off)
-    assert pair.vibration_energy == vibration
+    near = pytest.approx(vibration_energy, abs=energy_round_off)
+    assert pair.vibration_energy == near
 
 
 @by_whole_numbers
@@ -123,7 +127,7 @@ def exact_restitution(Z1: float, T1: float, Z2: float, T2: float) -> Fraction:
     rod, in exact arithmetic.
 
     Over each, of 2 Ts, the force is q times that of the one before; the last may be cut
-    short by the wave in the long rod, after 2 Tl.
+    short by the wave in the long rod, after 2 Tl. (s: short, l: long.)
     """
     rods = [(Fraction(T1), Fraction(Z1)), (Fraction(T2), Fraction(Z2))]
     short, long = sorted(rods)
@@ -132,8 +136,11 @@ def exact_restitution(Z1: float, T1: float, Z2: float, T2: float) -> Fraction:
     F0 = Zs * Zl / (Zs + Zl)
     q = max(Fraction(0), (Zs - Zl) / (Zs + Zl))
     K = math.floor(Tl / Ts)  # whole round trips
-    J = F0 * (2 * Ts * (1 - q**K) / (1 - q) + 2 * q**K * (Tl - K * Ts))
-    return J * (1 / (Zs * Ts) + 1 / (Zl * Tl)) - 1
+    whole_trips = 2 * Ts * (1 - q**K) / (1 - q)  # a geometric series
+    last_trip = q**K * 2 * (Tl - K * Ts)
+    J = F0 * (whole_trips + last_trip)
+    inverse_masses = 1 / (Zs * Ts) + 1 / (Zl * Tl)
+    return J * inverse_masses - 1
 
 
 @pytest.mark.parametrize("ratio", [1 + 2**-40, 1.5, 1e3, 1e8, 1e15])
@@ -147,35 +154,48 @@ def test_restitution_keeps_its_digits_at_any_ratio_of_impedances(ratio, long_tim
 
 @pytest.mark.parametrize("Z_long", [1.0, 1 + 1e-12, 1 - 1e-12])
 def test_a_small_restitution_keeps_its_digits(Z_long):
-    """The ratio of the lengths, and half of the relative excess of the impedance of the
-    long rod.
+    """It is the ratio of the lengths, and half of the relative excess of the impedance
+    of the long rod, if there is one.
     """
-    expected = 1e-12 + max(Z_long - 1, 0) / 2
-    pair = theory.saint_venant(1.0, 1.0, Z_long, 1e12)
+    T_long = 1e12
+    ratio_of_lengths = 1 / T_long
+    excess = max(Z_long - 1, 0)
+    pair = theory.saint_venant(1.0, 1.0, Z_long, T_long)
+    expected = ratio_of_lengths + excess / 2
     assert pair.restitution == pytest.approx(expected, rel=1e-11, abs=0)
 
 
 @given(PAIR, POSITIVE)
-def test_force_impulse_energy_and_durations_of_a_pair_fit_together(rods, V):
+def test_impulse_energy_and_durations_of_a_pair_fit_together(rods, V):
     Z1, T1, Z2, T2 = rods
-    m = Z1 * T1 * Z2 * T2 / (Z1 * T1 + Z2 * T2)
-    round_trip = 2 * min(T1, T2)  # of the short rod; over each the force is constant
+    reduced_mass = Z1 * T1 * Z2 * T2 / (Z1 * T1 + Z2 * T2)
 
     pair = theory.saint_venant(Z1, T1, Z2, T2, V)
 
+    impulse = (1 + pair.restitution) * reduced_mass * V
+    energy_to_share = reduced_mass * V * V / 2
+    assert 0 < pair.restitution <= 1
+    assert pair.impulse == pytest.approx(impulse, rel=CLOSED_FORM_TOL, abs=0)
+    assert 0 <= pair.vibration_energy <= energy_to_share
+    assert pair.duration <= pair.opening
+    assert 2 * min(T1, T2) <= pair.duration <= 2 * max(T1, T2)
+
+
+@given(PAIR, POSITIVE)
+def test_the_impulse_of_a_pair_is_the_integral_of_its_force(rods, V):
+    Z1, T1, Z2, T2 = rods
+    pair = theory.saint_venant(Z1, T1, Z2, T2, V)
+    round_trip = 2 * min(T1, T2)  # of the short rod; over each the force is constant
     trips = math.ceil(pair.duration / round_trip)
     assume(trips <= 10**5)  # each is summed
-    assert 0 < pair.restitution <= 1
-    impulse = (1 + pair.restitution) * m * V
-    assert pair.impulse == pytest.approx(impulse, rel=CLOSED_FORM_TOL, abs=0)
-    assert 0 <= pair.vibration_energy <= m * V * V / 2
-    assert pair.duration <= pair.opening
-    assert round_trip <= pair.duration <= 2 * max(T1, T2)
     # The last round trip may be cut short.
     edges = np.minimum(round_trip * np.arange(trips + 1), pair.duration)
     middles = (edges[1:] + edges[:-1]) / 2
+
     force = theory.saint_venant_force(middles, Z1, T1, Z2, T2, V)
-    assert force @ np.diff(edges) == pytest.approx(pair.impulse, rel=1e-9)
+
+    impulse = force @ np.diff(edges)
+    assert impulse == pytest.approx(pair.impulse, rel=1e-9)
 
 
 @given(PAIR, POSITIVE)
@@ -188,14 +208,18 @@ def test_it_does_not_matter_which_rod_is_on_the_left(rods, V):
 
 @pytest.mark.parametrize("Z", [0.1 + 0.2, math.nextafter(0.3, 0)])
 def test_impedances_that_are_equal_but_for_round_off_count_as_equal(Z):
-    exact = theory.saint_venant(0.3, 1.0, 0.3, 2.0)
-    rounded = theory.saint_venant(Z, 1.0, 0.3, 2.0)
-    assert exact.duration == 2.0
-    assert rounded.duration == 2.0
-    assert exact.opening == 4.0
-    assert rounded.opening == 4.0
+    """The force then ends after the round trip in the short rod, and the rods part
+    after that in the long one.
+    """
+    T1 = 1.0
+    T2 = 2.0
+    exact = theory.saint_venant(0.3, T1, 0.3, T2)
+    rounded = theory.saint_venant(Z, T1, 0.3, T2)
+    for pair in (exact, rounded):
+        assert pair.duration == 2 * T1
+        assert pair.opening == 2 * T2
     assert rounded.restitution == exact.restitution
-    assert theory.saint_venant_force(2.0, Z, 1.0, 0.3, 2.0) == 0.0
+    assert theory.saint_venant_force(2 * T1, Z, T1, 0.3, T2) == 0.0
 
 
 @pytest.mark.parametrize(
@@ -208,20 +232,22 @@ def test_the_closed_form_of_a_mass_on_a_free_rod_keeps_its_balances(ratio, e):
     Z = 3.0
     T = 0.2
     V = 1.7
-    M = ratio * Z * T
     m = Z * T
+    M = ratio * m
 
     collision = theory.mass_on_rod(M, Z, T, V)
 
-    assert collision.restitution == pytest.approx(e, abs=5e-7)
     v1 = V - collision.impulse / M
     v2 = collision.impulse / m
-    assert v2 - v1 == pytest.approx(collision.restitution * V, rel=1e-13)
-    energy = M * v1**2 / 2 + m * v2**2 / 2 + collision.vibration_energy
-    assert energy == pytest.approx(M * V * V / 2, rel=1e-13)
+    kinetic_energy = M * v1**2 / 2 + m * v2**2 / 2
+    energy = kinetic_energy + collision.vibration_energy
     times = np.linspace(0, 2 * T, 20001)
-    force = Z * V * np.exp(-Z * times / M)
-    assert np.trapezoid(force, times) == pytest.approx(collision.impulse, rel=1e-7)
+    force = Z * V * np.exp(-Z * times / M)  # until the wave returns from the free end
+    integral = np.trapezoid(force, times)
+    assert collision.restitution == pytest.approx(e, abs=5e-7)  # six decimal places
+    assert v2 - v1 == pytest.approx(collision.restitution * V, rel=1e-13)
+    assert energy == pytest.approx(M * V * V / 2, rel=1e-13)
+    assert integral == pytest.approx(collision.impulse, rel=1e-7)
 
 
 def test_a_mass_of_0_is_refused():
@@ -270,9 +296,11 @@ def test_a_wave_of_the_horn_frequency_obeys_the_equation_of_the_horn():
     def velocity(x, t):
         return slope(lambda time: u(x, time), t)
 
-    force_slope = slope(lambda x: force(x, 0.2), 0.3)
-    acceleration = slope(lambda t: velocity(0.3, t), 0.2)
-    inertia = area(0.3) * acceleration / c**2
+    x = 0.3  # any place and time
+    t = 0.2
+    force_slope = slope(lambda place: force(place, t), x)
+    acceleration = slope(lambda time: velocity(x, time), t)
+    inertia = area(x) * acceleration / c**2
     assert force_slope == pytest.approx(inertia, rel=1e-8)
     assert theory.horn_frequency(c, 0.0, beta) == c * beta
 
@@ -283,9 +311,11 @@ def test_the_decay_of_a_damped_mode_is_that_of_the_roots(ratio):
     E = 3.0
     omega = 7.0
     eta = 2 * E * ratio / omega
-    roots = np.roots([1.0, eta / E * omega**2, omega**2])
+    complex_roots = np.roots([1.0, eta / E * omega**2, omega**2])  # a conjugate pair
+
     decay = theory.kelvin_voigt_decay(E, eta, omega)
-    assert decay == pytest.approx(-roots[0].real, rel=1e-12)
+
+    assert decay == pytest.approx(-complex_roots[0].real, rel=1e-12)
     assert decay == pytest.approx(ratio * omega, rel=1e-12)
 
 
@@ -293,14 +323,22 @@ def test_a_wave_of_the_rayleigh_love_speed_obeys_its_equation():
     """u = cos(k x - omega t) obeys u_tt - nu^2 kappa^2 u_xxtt = c^2 u_xx."""
     c = 5000.0
     nu = 0.29
-    kappa = 7e-3
+    kappa = 7e-3  # radius of gyration
     k = np.array([0.0, 10.0, 300.0])
+
     omega = k * theory.rayleigh_love_speed(c, nu, kappa, k)
-    inertia = omega**2 * (1 + (nu * kappa * k) ** 2)
+
+    inertia = omega**2 * (1 + (nu * kappa * k) ** 2)  # of u_tt - nu^2 kappa^2 u_xxtt
     assert inertia == pytest.approx(c**2 * k**2, rel=1e-14)
-    assert theory.rayleigh_love_speed(c, 0.0, kappa, 300.0) == c
-    speed = theory.rayleigh_love_speed(c, nu, kappa, 300.0)
-    assert theory.rayleigh_love_speed(c, -nu, kappa, 300.0) == speed
+
+
+def test_the_rayleigh_love_speed_depends_on_the_square_of_poissons_ratio():
+    c = 5000.0
+    kappa = 7e-3
+    k = 300.0
+    speed = theory.rayleigh_love_speed(c, 0.29, kappa, k)
+    assert theory.rayleigh_love_speed(c, 0.0, kappa, k) == c
+    assert theory.rayleigh_love_speed(c, -0.29, kappa, k) == speed
 
 
 # Arrays and refusals
@@ -360,8 +398,8 @@ def test_forms_take_arrays(form):
     good = good_arguments(form)
     first, second, *_ = good
     with_arrays = dict(good)
-    with_arrays[first] = np.full((2, 1), good[first])
-    with_arrays[second] = [good[second]] * 3
+    with_arrays[first] = np.full((2, 1), good[first])  # a column
+    with_arrays[second] = [good[second]] * 3  # a row
 
     numbers = values_of(form.function(**good))
     families = values_of(form.function(**with_arrays))
@@ -379,7 +417,9 @@ def test_forms_refuse_what_is_no_number(form):
         if name in form.positive.split():
             bad_values += [0.0, -2.0]
         for bad in bad_values:
+            with_bad = good | {name: bad}
+            with_bad_second = good | {name: [value, bad]}
             with pytest.raises(ValueError, match=rf"^{name}: .*, got {bad}"):
-                form.function(**{**good, name: bad})
+                form.function(**with_bad)
             with pytest.raises(ValueError, match=rf"^{name}\[1\]: .*, got {bad}"):
-                form.function(**{**good, name: [value, bad]})
+                form.function(**with_bad_second)

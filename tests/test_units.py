@@ -61,9 +61,13 @@ def test_texts_are_read_exactly_as_floats(text, dimension, value):
 @given(st.decimals(allow_nan=False, allow_infinity=False, places=9), st.data())
 def test_the_product_of_number_and_unit_is_rounded_once(number, data):
     dimension = data.draw(st.sampled_from(sorted(units.UNITS)))
-    unit = data.draw(st.sampled_from(sorted(units.UNITS[dimension])))
-    exact = Fraction(number) * Fraction(units.UNITS[dimension][unit])
-    assert units.parse(f"{number} {unit}", dimension) == float(exact)
+    factors = units.UNITS[dimension]  # decimal texts by unit
+    unit = data.draw(st.sampled_from(sorted(factors)))
+    exact = Fraction(number) * Fraction(factors[unit])
+
+    value = units.parse(f"{number} {unit}", dimension)
+
+    assert value == float(exact)
 
 
 def test_every_unit_is_what_it_is_to_pint():
@@ -72,8 +76,9 @@ def test_every_unit_is_what_it_is_to_pint():
     pint_factors = {}
     for units_of_dimension in units.UNITS.values():
         for name, factor in units_of_dimension.items():
+            one_in_pint = quantity(1.0, name).to_base_units()
             factors[name] = float(Fraction(factor))
-            pint_factors[name] = quantity(1.0, name).to_base_units().magnitude
+            pint_factors[name] = one_in_pint.magnitude
     assert pint_factors == pytest.approx(factors, rel=1e-14)
 
 
@@ -170,16 +175,21 @@ def test_what_is_written_has_the_value_to_its_digits(size, sign, unit):
 
 
 class RaisingRepr:
+    """An object that has no repr: asking for it fails."""
+
     def __repr__(self):
         raise RuntimeError
 
 
 class LongRepr:
+    """An object with a long repr of many lines and escapes of a terminal."""
+
     def __repr__(self):
         return "two\nlines \x1b[0m" * 100
 
 
 def assert_is_one_short_line(line):
+    """Without what a terminal would obey, such as escapes."""
     assert len(line) <= units.MOST_SHOWN
     assert line.isprintable()
 
