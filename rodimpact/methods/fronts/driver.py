@@ -63,7 +63,7 @@ def solve_one(
         layout, request._replace(run_past_proof=True), is_compiled=is_compiled
     )
     batch.load_members(np.array([layout.values], dtype=float))
-    batch.run_to_end(report)
+    batch.run_to_end(report)  # or TooLong
     return batch
 
 
@@ -140,7 +140,8 @@ def solve_many(
         is_quick = seconds < BLOCK_TIME / 4
         if not batch.is_compiled:
             member_time = seconds / length
-            is_measured = is_measured or not is_quick
+            if not is_quick:  # the time of a quick block is not exact
+                is_measured = True
         # The next block takes about BLOCK_TIME.
         if is_quick:
             size = min(BLOCK_GROWTH * size, MAX_BLOCK_SIZE)

@@ -173,7 +173,8 @@ def advance(state: State, horizon: int) -> int:
     rows = run.log_rows
     events = run.events
     # queue[1] is the earliest tick of all nodes.
-    stop = find_stop(run, queue[1], horizon, rows > last_free_row, events)
+    is_full = rows > last_free_row
+    stop = find_stop(run, queue[1], horizon, is_full, events)
     while stop == Stop.NONE:
         leaf = event_queue.first_leaf(queue)
         tick = queue[leaf]
@@ -247,7 +248,8 @@ def advance(state: State, horizon: int) -> int:
         event_queue.schedule(queue, leaf, next_tick)
         run.now = tick
         events += 1
-        stop = find_stop(run, queue[1], horizon, rows > last_free_row, events)
+        is_full = rows > last_free_row
+        stop = find_stop(run, queue[1], horizon, is_full, events)
     run.log_rows = rows
     run.events = events
     return stop

@@ -424,14 +424,14 @@ def append_initial_fronts(state: State, s: int, wave_speed: float) -> None:
                 i = stop - 1 - k
             piece = pieces[i]
             # Ends of the piece. Durations are the n transit times, then the times up to
-            # the jumps of all segments; each segment has one jump less than pieces. So
-            # the jump that begins piece i has number n + i - s.
+            # the jumps of all segments; each segment has one jump less than pieces.
+            jump_index = n + i - s  # of the jump at which the piece begins
             x0 = 0
             x1 = transit
             if i > first:
-                x0 = min(durations[n + i - s].ticks, transit)
-            if i < stop - 1:
-                x1 = min(durations[n + i + 1 - s].ticks, transit)
+                x0 = min(durations[jump_index].ticks, transit)
+            if i < stop - 1:  # it ends where the next piece begins
+                x1 = min(durations[jump_index + 1].ticks, transit)
             velocity = piece.velocity - run.frame_velocity
             wave = velocity + sign * wave_speed * piece.strain
             # When the front of the piece was sent, see above

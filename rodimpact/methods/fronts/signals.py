@@ -55,9 +55,9 @@ def waves_by_line(finished: FrontRun) -> Lines:
     log = finished.log
     # Lines 0 and 1 lie outside on the left; a change of status has a line below 0.
     inside = (log["line"] > 1) & (log["line"] < count)
-    fronts = log[inside]
+    unsorted = log[inside]
     # Line by line; a stable sort leaves those of a line in order of time.
-    fronts = fronts[np.argsort(fronts["line"], kind="stable")]
+    fronts = unsorted[np.argsort(unsorted["line"], kind="stable")]
     # Where the fronts of each line begin, and where the last ones end
     bounds = np.searchsorted(fronts["line"], np.arange(count + 1))
     lines: Lines = []
@@ -95,8 +95,8 @@ def contact_signal(
     # a and b, and the status, at all ticks at which one of them changes
     from_left = arrivals(finished, lines, k, 0)
     from_right = arrivals(finished, lines, k, 1)
-    ticks = each_once([0], from_left.ticks, from_right.ticks, statuses.ticks)
-    ticks = ticks[(ticks >= 0) & (ticks <= end_tick)]
+    all_ticks = each_once([0], from_left.ticks, from_right.ticks, statuses.ticks)
+    ticks = all_ticks[(all_ticks >= 0) & (all_ticks <= end_tick)]
     closing = from_left.at(ticks) - from_right.at(ticks)
     status = statuses.at(ticks)
 

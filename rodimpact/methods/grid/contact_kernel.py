@@ -46,7 +46,7 @@ def solve_link(link: Link, c: float) -> tuple[float, float, float]:
     at the end of the step. F of a contact is `contact_laws.mean_force`, and is not
     negative. Its equation is solved by Newton's method, from the guess link.overlap
     for a law that does not yield; after `MAX_NEWTON_STEPS` the last iterate is
-    returned, without an error. A joint is linear, and pulls as well. The link is not
+    returned, without an error. A joint may pull, see `solve_joint`. The link is not
     changed.
 
     Parameters
@@ -61,19 +61,11 @@ def solve_link(link: Link, c: float) -> tuple[float, float, float]:
     F, x1, dF/dx1
         In N, m/s (time is counted in steps) and N per m/s.
     """
+    if link.law == Law.JOINT:
+        return solve_joint(link, c)
     x0 = -link.gap
     y = link.self_mobility
     free_x1 = x0 + c  # x1 without the own force, the largest that it may be
-    if link.law == Law.JOINT:
-        # Its force pulls as well. It is linear:
-        # F = k (x0 + x1)/2 + d (x1 - x0) = k x0 + slope (x1 - x0), with the damping d.
-        # With x1 - x0 = c - y F this is solved for F.
-        k = link.stiffness
-        slope = k / 2 + link.damping
-        divisor = 1 + y * slope
-        F = (k * x0 + slope * c) / divisor
-        x1 = x0 + (c - y * k * x0) / divisor
-        return F, x1, slope
     # First guess x of x1, on the right of the root if it can be: the residual
     # x - free_x1 + y F(x0, x) rises with x, and is 0 at the root.
     yields = False  # whether x1 is beyond the overlap at which the contact yields
@@ -120,6 +112,23 @@ def solve_link(link: Link, c: float) -> tuple[float, float, float]:
         # For a stiff contact this is more accurate than the law, because x is small.
         F = (free_x1 - x) / y
     return max(F, 0 * F), x, slope  # 0 * F is 0 as the same kind of number
+
+
+def solve_joint(link: Link, c: float) -> tuple[float, float, float]:
+    """Find the mean force of a joint in this step; it may pull (F < 0).
+
+    Arguments and results are those of `solve_link`. With the stiffness k and the
+    damping d the force is linear, F = k (x0 + x1)/2 + d (x1 - x0), which is
+    k x0 + slope (x1 - x0). With x1 - x0 = c - y F this is solved for F.
+    """
+    x0 = -link.gap
+    y = link.self_mobility
+    k = link.stiffness
+    slope = k / 2 + link.damping
+    divisor = 1 + y * slope
+    F = (k * x0 + slope * c) / divisor
+    x1 = x0 + (c - y * k * x0) / divisor
+    return F, x1, slope
 
 
 def closing_without_own_force(links: Any, i: int) -> float:

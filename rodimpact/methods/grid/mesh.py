@@ -155,8 +155,8 @@ class GridMotion(NamedTuple):
         cell_inertia = self.cells.lateral_inertia[inside] - k * step**2 / 4
         twice_kinetic = mass @ (v * v) + cell_inertia @ (stretch_rate * stretch_rate)
         kinetic = float(twice_kinetic) / 2
-        k = np.where(k > 0, k, np.inf)  # cells without stiffness have no energy
-        strained = float(np.sum(self.force[state, inside] ** 2 / k)) / 2
+        k_or_inf = np.where(k > 0, k, np.inf)  # cells without stiffness have no energy
+        strained = float(np.sum(self.force[state, inside] ** 2 / k_or_inf)) / 2
         if not self.radial.size:  # no cell has a radial strain
             return kinetic, strained
         # Those of the radial strains are added.
@@ -175,7 +175,7 @@ class GridMotion(NamedTuple):
         # belongs to either rod by half.
         shear = self.shear_stiffness[nodes] / 2
         shear[1:-1] *= 2
-        twice_radial_strained = (G - b * b / k) @ q**2 + shear @ q_step**2
+        twice_radial_strained = (G - b * b / k_or_inf) @ q**2 + shear @ q_step**2
         # v K v without k (stretch rate)^2, which `kinetic` has already
         mixed = 2 * (b * stretch_rate) @ rate
         v_K_v = mixed + G @ rate**2 + shear @ rate_step**2
@@ -249,7 +249,7 @@ class Mesh:
         for side, (kind, _) in enumerate(row.boundaries):
             if kind == "velocity":
                 driven.append(side)
-        # This fills the lists above, and sets `cells`.
+        # This fills the lists above, and sets `cells`, or raises InvalidModel.
         last_node = self._lay_out(driven)
         self.starts, self.stops = _between(self.touching.values(), last_node)
         contacts = []  # nodes on both sides of each link that can open

@@ -109,7 +109,7 @@ def run_grid(
     """
     check_scales(row)
     check_polar_moments(row)
-    counts, step = mesh_size(row, cells, dt, until)
+    counts, step = mesh_size(row, cells, dt, until)  # or InvalidModel
     takes_steps = until is None or 2 * until > step  # the run has half a step or more
     if until is not None and takes_steps:
         # The step becomes a whole part of `until`, no longer than it was.
@@ -272,9 +272,10 @@ def mesh_size(
         name = "dt"
     else:
         name = row.paths[shortest + 1]
+    longest_cells = cells  # of the longest transit; None where `dt` decides
     if cells is None and dt is None:
-        cells = _least_wasteful(transits, until)
-    counts = _stable_counts(row, transits, cells, dt, name)
+        longest_cells = _least_wasteful(transits, until)
+    counts = _stable_counts(row, transits, longest_cells, dt, name)
     stable_steps = list(map(stable_step, row.segments, counts, soil_stiffnesses(row)))
     if dt is None:
         step = min(stable_steps) * COURANT

@@ -149,13 +149,13 @@ def comparable_runs(
     there are too few levels, or if states of these runs take too much memory.
     """
     coarser = [run for run in runs if run.step > finest.step]
-    coarser = coarser[-MAX_COMPARED:]
-    if len(coarser) + 1 < MIN_LEVELS:  # the finest one is a level, too
+    compared = coarser[-MAX_COMPARED:]
+    if len(compared) + 1 < MIN_LEVELS:  # the finest one is a level, too
         return []
-    if sum(run.states_bytes for run in coarser) > MAX_STATES_BYTES:
+    if sum(run.states_bytes for run in compared) > MAX_STATES_BYTES:
         return []
     pairs = []
-    for run in coarser:
+    for run in compared:
         share = SAFETY_FACTOR / ((run.step / finest.step) ** order - 1)
         pairs.append((share, run))
     return pairs

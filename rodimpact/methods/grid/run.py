@@ -34,10 +34,14 @@ MIN_STATES_IN_THREES = 12
 """Number of states to keep, from which on those of damped rods come in threes."""
 MAX_STATES_BYTES = 64 << 20
 """Memory of the states that are kept where their number is not given."""
-CELL_TIMES = 7e-10, 8e-7
-"""Time of an explicit step of a cell, s, compiled and in plain Python."""
-STEP_TIMES = 3e-7, 1e-5
-"""Time of a step beside that of its cells, with the results made of it, s."""
+CELL_TIME = 7e-10
+"""Time of an explicit step of a cell in machine code, s."""
+STEP_TIME = 3e-7
+"""Time of such a step beside that of its cells, with the results made of it, s."""
+PLAIN_CELL_TIME = 8e-7
+"""Time of an explicit step of a cell in plain Python, s."""
+PLAIN_STEP_TIME = 1e-5
+"""Time of such a step beside that of its cells, with the results made of it, s."""
 
 
 class GridRun:
@@ -181,12 +185,14 @@ class GridRun:
         # Records are there twice while they are joined.
         in_steps = steps * (2.0 * recorded + results)
         # So are states, while they are joined or fields are made of them.
-        per_state = 2 * len(mesh.mass) * (1 + mesh.has_radial_strain)
+        per_state = 2 * len(mesh.mass)
+        if mesh.has_radial_strain:
+            per_state *= 2
         in_states = 2 * states * (per_state + len(mesh.starts) + 3)
         if not kernels.enabled():
             # Lists take four times the memory of arrays, and stand beside them.
-            in_steps = in_steps + 4.0 * steps * recorded
-            in_states = 3 * in_states
+            in_steps += 4.0 * steps * recorded
+            in_states *= 3
         # The argument that the error names: that of the larger part
         if in_steps <= in_states:
             argument = "snapshots"
@@ -207,17 +213,18 @@ class GridRun:
         wanted. In threes each comes with the step before and the step after it.
         """
         if self._chosen_steps is not None:
-            steps = self._chosen_steps[self._chosen_steps <= end].astype(int)
+            wanted = self._chosen_steps[self._chosen_steps <= end].astype(int)
         else:
             while self._bound_states(end) > self._max_states:
                 self._stride *= 2
-            steps = np.arange(0, end, self._stride)
+            wanted = np.arange(0, end, self._stride)
         if self._in_threes:
-            steps = np.concatenate((steps - 1, steps, steps + 1))
+            kept = np.concatenate((wanted - 1, wanted, wanted + 1))
             last = end - np.arange(4)  # a three at the end, too, and one step more
         else:
+            kept = wanted
             last = np.array([end])
-        steps = np.union1d(steps, last)  # in order, each once
+        steps = np.union1d(kept, last)  # in order, each once
         is_in_run = (steps >= 0) & (steps <= end)
         return np.asarray(steps[is_in_run])
 
@@ -240,7 +247,10 @@ class GridRun:
         """
         grid = self.grid
         n = len(self.mesh.mass)  # nodes; there is one cell more
-        radial_shape = (states, (n + 1) * self.mesh.has_radial_strain)
+        radial_columns = 0
+        if self.mesh.has_radial_strain:
+            radial_columns = n + 1
+        radial_shape = (states, radial_columns)
         return StepHistory(
             signals=np.empty((steps, len(grid.links)), SIGNAL),
             prescribed=np.empty((steps, 2)),
@@ -269,6 +279,7 @@ class GridRun:
             self._require_memory(max(end, 2 * self.checked_steps))
         first = self.steps
         when = self._choose_states(end)  # steps of all states, also of those kept
+        # Which of the states kept so far are wanted still [state]
         still_wanted = np.isin(self.history.when, when, assume_unique=True)
         all_wanted = bool(still_wanted.all())  # then no copy is needed
         # The states that are still wanted are the first ones of `when`.
@@ -381,7 +392,8 @@ class GridRun:
 
         Time is in steps. A bond has no law, and raises ValueError.
         """
-        column = list(self.mesh.touching).index(link)  # number of the link in the grid
+        # Number of the link in the grid, or ValueError
+        column = list(self.mesh.touching).index(link)
         return np.ascontiguousarray(self.history.signals[:, column][field])
 
     def contact(self, contact: int) -> tuple[Array, Array]:
@@ -428,7 +440,8 @@ class GridRun:
 
         The first one is at t = 0. Other nodes raise ValueError.
         """
-        velocities = self.history.velocities[:, self.mesh.watched.index(node)]
+        column = self.mesh.watched.index(node)  # ValueError if it is not watched
+        velocities = self.history.velocities[:, column]
         return np.concatenate((self.history.velocity[:1, node], velocities))
 
     def mass_velocity(self, mass: int) -> Array:
@@ -489,8 +502,7 @@ class GridRun:
         t = fields["when"][:, None] * self.step  # [state, 1]
         in_frame = fields["velocity"][:, soil["node"]]
         # The ground rests in the laboratory, in which the frame moves and falls.
-        velocity = in_frame + self.row.frame
-        velocity = velocity + self.row.system.gravity * t
+        velocity = in_frame + self.row.frame + self.row.system.gravity * t
         resistance = fields["resistance"]
         by_smith = soil["damping_factor"] * np.abs(resistance)
         damping = np.where(soil["is_smith"], by_smith, soil["damping"])
@@ -569,15 +581,20 @@ def step_time(mesh: Mesh, *, plain: bool) -> float:
 
     The step is taken in plain Python, or else in machine code.
     """
-    # Equations to be solved take six,
-    # or in plain Python two, times as long as the rest.
-    implicit = 6
     if plain:
-        implicit = 2
-    # Times of an explicit step: radial strains take as long as the nodes
-    times = 1 + mesh.has_radial_strain + implicit * mesh.implicit
-    # In each pair the first is machine code (False), the second plain Python (True).
-    return STEP_TIMES[plain] + len(mesh.mass) * times * CELL_TIMES[plain]
+        of_step = PLAIN_STEP_TIME
+        of_cell = PLAIN_CELL_TIME
+        of_equations = 2  # times as long as the rest of a cell
+    else:
+        of_step = STEP_TIME
+        of_cell = CELL_TIME
+        of_equations = 6
+    explicit_steps = 1  # that take as long for a cell
+    if mesh.has_radial_strain:  # radial strains take as long as the nodes
+        explicit_steps += 1
+    if mesh.implicit:
+        explicit_steps += of_equations
+    return of_step + len(mesh.mass) * explicit_steps * of_cell
 
 
 def clock_on(mesh: Mesh, step: float) -> Clock:

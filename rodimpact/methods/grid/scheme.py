@@ -70,6 +70,8 @@ def grid_of(mesh: Mesh, step: float) -> Grid:
     # Node i lies between the cells i and i + 1.
     diagonal = inertia + off_diagonal[:-1] + off_diagonal[1:]
     soil = soil_of(mesh, step)
+    # Smith's damping follows the resistance, and changes the diagonal.
+    has_changing_damping = (soil["is_smith"] > 0) & (soil["damping_factor"] > 0)
     soil_damping = np.bincount(soil["node"], soil["damping"] / 2, n)  # [node]
     loaded_diagonal = diagonal + soil_damping
     factors = factorise(mesh, loaded_diagonal, off_diagonal)
@@ -83,9 +85,7 @@ def grid_of(mesh: Mesh, step: float) -> Grid:
             has_radial_strain=mesh.has_radial_strain,
             is_implicit=mesh.implicit or len(soil) > 0,
             shafts=len(shaft_bodies(row)),
-            soil_changes_equations=bool(
-                np.any(soil["is_smith"] * soil["damping_factor"])
-            ),
+            soil_changes_equations=bool(has_changing_damping.any()),
             **ground_velocities(mesh, step),
         ),
         velocity=np.zeros(n),

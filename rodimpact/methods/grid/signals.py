@@ -74,10 +74,11 @@ def make_run(run: GridRun, until: float | None) -> Run:
     end = run.steps * STEP_TICKS  # ticks
     if until and not run.steps:  # the run ends before half a step
         end = math.ceil(until / run.clock.tick)
-    steep = bool(run.coarser) and order_of(run.row) < 1  # jumps stay steep
+    # Whether jumps of waves stay steep; asked only if it is needed
+    is_steep = bool(run.coarser) and order_of(run.row) < 1
     coarser = []
     for share, other in run.coarser:
-        coarser.append(Coarser(share, steep, partial(make_run, other, until)))
+        coarser.append(Coarser(share, is_steep, partial(make_run, other, until)))
     return Run(
         method="finite-difference",
         until=until,
