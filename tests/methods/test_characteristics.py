@@ -256,10 +256,10 @@ def test_hertz_ends_carry_e_from_one_to_the_ratio_of_lengths(kappa, e):
 
 LAWS = {  # law, and its force for the compression p and the closing speed w
     "spring": (ri.Spring(5.0), lambda p, w: 5 * p),
-    "spring and dashpot": (ri.SpringDashpot(5.0, 1.0), lambda p, w: 5 * p + w),
+    "spring and dashpot": (ri.SpringDashpot(5.0, damping=1.0), lambda p, w: 5 * p + w),
     "Hertz": (ri.Hertz(5.0), lambda p, w: 5 * p**1.5),
     "Hunt-Crossley": (
-        ri.HuntCrossley(5.0, 0.4),
+        ri.HuntCrossley(5.0, damping=0.4),
         lambda p, w: 5 * p**1.5 * (1 + 0.4 * w),
     ),
 }
@@ -470,7 +470,10 @@ def test_a_mass_on_an_endless_bar_that_yields_is_as_integrated(mirrored, hardeni
 # --------------------------------------------------------------------------------------
 
 STEPPED = ri.Rod(
-    segments=[ri.Segment(0.5, 1.0, UNIT), ri.Segment(0.75, 0.5, UNIT)],
+    segments=[
+        ri.Segment(0.5, area=1.0, material=UNIT),
+        ri.Segment(0.75, area=0.5, material=UNIT),
+    ],
     velocity=ri.Samples([0.0, -0.2, 0.3]),
 )
 BODIES = [
@@ -753,7 +756,7 @@ def test_fronts_take_no_tolerance():
             id="at rest",
         ),
         pytest.param(
-            [unit_rod(velocity=ri.Steps([-1.0, 1.0], [0.5])), unit_rod()],
+            [unit_rod(velocity=ri.Steps([-1.0, 1.0], at=[0.5])), unit_rod()],
             {},
             "centres of mass did not approach",
             id="vibration",

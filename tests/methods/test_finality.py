@@ -118,9 +118,9 @@ def sides_of(group, system):
 @given(st.integers(0, 10**6), st.floats(0.5, 6.0))
 def test_mean_motions_and_bounds_of_groups_are_those_of_sums_over_parts(seed, transits):
     system = random_system(seed, bodies=4)
-    until = horizon(system, transits)
-    run = tracked(system, until, 20_000)
-    solution = solution_of(run, until)
+    until = horizon(system, transits=transits)
+    run = tracked(system, until=until, max_events=20_000)
+    solution = solution_of(run, until=until)
     for group in groups(system):
         walls = wall_velocities(system, group)
         parts = parts_of(solution, group)
@@ -130,12 +130,12 @@ def test_mean_motions_and_bounds_of_groups_are_those_of_sums_over_parts(seed, tr
         for contact, on_right in sides_of(group, system):
             # Groups end at contacts that can open, and not at bonds.
             assert run.nodes[run.layout.contacts[contact]].status >= Status.OPEN
-            motion = group_of(run, contact, on_right)
+            motion = group_of(run, contact, right=on_right)
             if on_right:
                 parts_to_contact = parts[::-1]
             else:
                 parts_to_contact = parts
-            sway = expected_sway(parts_to_contact, wall_velocity)
+            sway = expected_sway(parts_to_contact, wall_velocity=wall_velocity)
             assert_motion_is_that_of_sums(motion, sway, run, on_right)
             if motion.is_end_velocity_bounded and has_waves(parts, system, group):
                 assert motion.min_end_velocity == motion.max_end_velocity
@@ -170,19 +170,22 @@ def has_waves(parts, system, group):
 
 def stretched(velocity, strain):
     """A stepped rod under strain."""
-    segments = [ri.Segment(1.0, 1.0, M), ri.Segment(0.7, 2.0, M)]
+    segments = [
+        ri.Segment(1.0, area=1.0, material=M),
+        ri.Segment(0.7, area=2.0, material=M),
+    ]
     return ri.Rod(segments=segments, velocity=velocity, strain=strain)
 
 
-def test_the_time_of_the_proof_takes_the_swing_of_both_ends_into_account():
+def test_the_proof_waits_until_the_mean_gap_is_beyond_the_swing_of_both_ends():
     """Two stretched stepped rods drift apart: it is proved when their mean gap, which
     grows by the drift, is as large as the reach of both ends.
     """
     gap = 0.001
     drift = 1e-3
     rods = [stretched(0.0, 0.02), stretched(drift, -0.01)]
-    run = tracked(ri.System(rods, gaps=[gap]), 0.0)
-    solution = solution_of(run, 0.0)
+    run = tracked(ri.System(rods, gaps=[gap]), until=0.0)
+    solution = solution_of(run, until=0.0)
     left = expected_sway(parts_of(solution, [0]), wall_velocity=None)
     parts_to_gap = parts_of(solution, [1])[::-1]  # its left end is at the gap
     right = expected_sway(parts_to_gap, wall_velocity=None)
@@ -199,8 +202,11 @@ def test_the_time_of_the_proof_takes_the_swing_of_both_ends_into_account():
 
 @given(st.integers(0, 10**6))
 def test_the_collision_of_every_free_row_is_proved_to_be_over(seed):
+    """Of two or three rods without walls."""
     system = random_system(seed, bodies=3, walls=False)
+
     solution = ri.solve(system, max_events=200_000)
+
     assert solution.stopped_by == "final", solution.status
 
 
@@ -225,13 +231,14 @@ def test_a_grazing_contact_that_presses_again_is_one_episode():
     the ends only touch.
     """
     jumps = [1.0, 1.5, 2.0, 2.5]
-    velocity = ri.Steps([0, 1, 0, 1, 0], jumps)
-    strain = ri.Steps([0, -1, 0, -1, 0], jumps)
+    velocity = ri.Steps([0, 1, 0, 1, 0], at=jumps)
+    strain = ri.Steps([0, -1, 0, -1, 0], at=jumps)
     pulses = ri.Rod(3.0, area=1.0, material=M, velocity=velocity, strain=strain)
     system = ri.System([pulses, ri.Rod(3.0, area=1.0, material=M)])
 
     solution = ri.solve(system, until=3.0)
 
+    # The front of the first pulse is 0.5 m from the contact; each is 0.5 m long.
     contact = solution.contacts[0]
     forces = contact.force([0.25, 0.75, 1.25, 1.75, 2.25])
     assert forces.tolist() == [0, 1, 0, 1, 0]
@@ -260,14 +267,20 @@ def test_a_grazing_contact_that_presses_again_is_one_episode():
 def test_a_gap_closes_now_if_it_would_within_the_window_and_parts_if_it_opens(
     gap, rate, closing, after
 ):
-    """`after` has the status, the gap and its rate; 100 ticks have passed."""
+    """`after` has the status, the gap and its rate.
+
+    The gap has changed at its old rate for 100 ticks; from now on it closes with
+    `closing`. The window has 10 ticks.
+    """
     (node,) = blank(1, NODE)
     node.status = Status.OPEN.value
     node.gap = gap
     node.gap_rate = rate
+
     status = contacts.resolve_contact(
         node, closing=closing, dt=100, tolerance=1e-9, window=10
     )
+
     assert (status, node.gap, node.gap_rate) == after
 
 
@@ -303,24 +316,28 @@ def test_a_closing_joins_an_arrival_within_the_window(delay):
     """The gap closes `delay` ticks before a front from the middle of the striker
     arrives there.
     """
-    striker = ri.Rod(1.0, area=1.0, material=M, velocity=ri.Steps([1.0, 0.5], [0.5]))
-    system = ri.System([striker, ri.Rod(1.0, area=1.0, material=M)], gaps=[1e-3])
-    clock = tracked(system, 1.0).clock
-    arrival = clock.ticks[1] // 2
+    velocity = ri.Steps([1.0, 0.5], at=[0.5])
+    striker = ri.Rod(1.0, area=1.0, material=M, velocity=velocity)
+    struck = ri.Rod(1.0, area=1.0, material=M)
+    system = ri.System([striker, struck], gaps=[1e-3])
+    clock = tracked(system, until=1.0).clock
+    arrival = clock.ticks[1] // 2  # of the front, after half of a transit
     gap = (arrival - delay) * 0.5 * clock.tick  # it closes at 0.5 m/s
-    run = tracked(system.replace(gaps=[gap]), 1.0)
-    assert run.clock.ticks == clock.ticks
+
+    run = tracked(system.replace(gaps=[gap]), until=1.0)
+
+    assert run.clock.ticks == clock.ticks  # the gap changes no tick
     assert run.run.round_off_window > 900  # ticks, the longest delay
     assert run.nodes[1].first_force_tick == arrival
 
 
-def test_round_off_makes_no_fronts():
+def test_round_off_of_cuts_makes_no_fronts():
     """A rod cut into bonded pieces of awkward impedance sends no echoes from the
     cuts.
     """
     odd = ri.Material("odd", youngs_modulus=1.23456789, density=0.987654321)
-    segments = [ri.Segment(0.1, 0.7654321, odd)] * 7
-    state = {"velocity": 0.3, "strain": ri.Steps([0.1, 0.0], [0.33])}
+    segments = [ri.Segment(0.1, area=0.7654321, material=odd)] * 7
+    state = {"velocity": 0.3, "strain": ri.Steps([0.1, 0.0], at=[0.33])}
     whole = ri.Rod(0.7, area=0.7654321, material=odd, **state)
     cut = ri.Rod(segments=segments, **state)
     struck = ri.Rod(0.7, area=0.7654321, material=odd)
@@ -334,7 +351,7 @@ def test_round_off_makes_no_fronts():
     assert solution_of_cut.events <= 2 * solution.events
 
 
-VIBRATING = ri.Rod(1.0, area=1.0, material=M, velocity=ri.Steps([1.0, -1.0], [0.5]))
+VIBRATING = ri.Rod(1.0, area=1.0, material=M, velocity=ri.Steps([1.0, -1.0], at=[0.5]))
 
 
 def test_a_vibrating_rod_alone_is_final_at_once():
@@ -346,12 +363,15 @@ def test_a_vibrating_rod_alone_is_final_at_once():
 
 @pytest.mark.parametrize(("drift", "stop"), [(1e-4, "final"), (1e-8, "clock")])
 def test_a_slow_drift_is_waited_for_as_long_as_the_clock_counts(drift, stop):
+    """The cap on events, 50,000, ends neither run."""
     drifting = ri.Rod(1.0, area=1.0, material=M, velocity=drift)
     system = ri.System([VIBRATING, drifting], gaps=[0.7])
+
     solution = ri.solve(system, max_events=50_000)
+
     assert solution.stopped_by == stop
     assert solution.outcome.contacts[0].episodes == 0  # the rods never touch
-    assert 1000 < solution.events < 20_000
+    assert 1000 < solution.events < 20_000  # it waits, but not for ever
 
 
 # When the last contact ended
@@ -385,8 +405,9 @@ def test_the_last_contact_ended_whatever_the_end_and_the_method(
 
     solution = ri.solve(system, until=until, method=method, **options)
 
+    last_episode = solution.contacts[0].episodes[-1]
     assert solution.t_final == pytest.approx(opening, rel=error)
-    assert solution.t_final == solution.contacts[0].episodes[-1].opening
+    assert solution.t_final == last_episode.opening
     assert "The collision is final: the last contact ended at " in solution.status
     before_end_of_run, *_ = str(solution).split("run to")
     assert "last contact ended at" in before_end_of_run

@@ -81,7 +81,7 @@ SECOND = bar(0.5, 1.3, 1.1 / 1.3)
 STEPPED = ri.Rod(segments=[segment(1, 1, 0.5), segment(3, 1.2, 0.37)], velocity=1.0)
 THICK_BEHIND = ri.Rod(segments=[segment(1, 1, 0.2), segment(8, 1, 0.9)], velocity=1.0)
 THIN_BEFORE = ri.Rod(segments=[segment(0.5, 1.2, 0.33), segment(5, 1, 0.7)])
-STRAINED = bar(1, 1, 0.7, velocity=1.0, strain=ri.Steps([0.0, -0.3], [0.31]))
+STRAINED = bar(1, 1, 0.7, velocity=1.0, strain=ri.Steps([0.0, -0.3], at=[0.31]))
 ROWS = {
     "unequal impedances": ri.System([FIRST, SECOND]),
     "a gap": ri.System([FIRST, SECOND], gaps=[0.0317]),
@@ -289,7 +289,9 @@ def bonds_between_driven_ends():
 COMPLIANT = {
     "spring": ri.System(STRIKER_AND_BAR, contacts=[ri.Spring(3.0)]),
     "Hertz": ri.System(STRIKER_AND_BAR, gaps=[0.05], contacts=[ri.Hertz(5.0)]),
-    "Hunt-Crossley": ri.System(STRIKER_AND_BAR, contacts=[ri.HuntCrossley(5.0, 0.3)]),
+    "Hunt-Crossley": ri.System(
+        STRIKER_AND_BAR, contacts=[ri.HuntCrossley(5.0, damping=0.3)]
+    ),
     "masses": ri.System(
         [ri.RigidMass(0.5, velocity=1.0), unit_rod(), ri.RigidMass(0.7)],
         gaps=[0.1, 0.05],
@@ -307,8 +309,10 @@ COMPLIANT = {
         BARS, gaps=[0.02], contacts=[ri.Hertz(5.0)], ends=(ri.Moved(RAMP), ri.Fixed())
     ),
     "bonds between driven ends": bonds_between_driven_ends(),
-    "a power": ri.System(STRIKER_AND_BAR, contacts=[ri.PowerLaw(5.0, 2.0)]),
-    "yielding": ri.System(STRIKER_AND_BAR, contacts=[ri.Yielding(5.0, 0.2, 0.5)]),
+    "a power": ri.System(STRIKER_AND_BAR, contacts=[ri.PowerLaw(5.0, exponent=2.0)]),
+    "yielding": ri.System(
+        STRIKER_AND_BAR, contacts=[ri.Yielding(5.0, yield_force=0.2, hardening=0.5)]
+    ),
     "an incoming wave": ri.System(
         [unit_rod(0.4), unit_rod(1.0, area=2.0, velocity=0.3)],
         contacts=[ri.Hertz(5.0)],
@@ -626,7 +630,7 @@ def test_what_has_not_converged_says_so_after_the_stated_errors(monkeypatch):
     assert warning.startswith("1e-09. Take a larger rtol, or give more cells.")
 
 
-VIBRATING = ri.Steps([1.0, 1.45], [0.736])
+VIBRATING = ri.Steps([1.0, 1.45], at=[0.736])
 STATED_ERRORS = {
     "impulse": "impulse",
     "peak_force": "peak force",
@@ -678,7 +682,7 @@ def test_velocities_that_are_round_off_need_no_refinement(monkeypatch):
     squeezed = solve_row(
         [ri.Wall(0.5), unit_rod(), ri.Wall(-0.5)], until=0.4, rtol=1e-2
     )
-    vibrating = solve_row([unit_rod(velocity=ri.Steps([1.0, -1.0], [0.5]))])
+    vibrating = solve_row([unit_rod(velocity=ri.Steps([1.0, -1.0], at=[0.5]))])
 
     assert "Not converged" not in squeezed.status
     # Errors are estimated from the fourth level on, which has four times the cells.

@@ -31,7 +31,8 @@ def amplitude(t, damping):
     """
     w = np.sqrt(complex(math.pi**2 - damping**2 / 4))
     decay = np.exp(-damping * t / 2)
-    return (decay * (np.cos(w * t) - damping / (2 * w) * np.sin(w * t))).real
+    oscillation = np.cos(w * t) - damping / (2 * w) * np.sin(w * t)
+    return (decay * oscillation).real
 
 
 @pytest.mark.parametrize("damping", [0.3, 3.0, 30.0])
@@ -41,26 +42,29 @@ def test_a_standing_wave_dies_out_as_the_telegraph_equation_says(damping):
 
     solution = ri.solve(system, until=2 * HALF_PERIOD, cells=400)
 
-    exact = amplitude(t, damping) * np.cos(math.pi * PLACES)[:, None]
-    assert solution.velocity(0, PLACES[:, None], t) == pytest.approx(exact, abs=2e-4)
+    x = PLACES[:, None]
+    exact = amplitude(t, damping) * np.cos(math.pi * x)
+    assert solution.velocity(0, x, t) == pytest.approx(exact, abs=2e-4)
 
 
-def test_errors_fall_with_the_square_of_the_step():
+def test_errors_of_the_velocity_of_an_end_fall_with_the_square_of_the_step():
     # With the 257 samples of other tests the error of the finest mesh is that of the
     # samples.
     x = np.linspace(0.0, LENGTH, 2049)
     wave = ri.Samples(np.cos(math.pi * x))
     rod = standing_wave(ri.Drag(3.0)).replace(velocity=wave)
     t = 0.7
+    exact = amplitude(t, damping=3.0)
+
     errors = []
     for cells in (25, 50, 100, 200):
         dt = t / (2 * cells)  # 0.35 of the longest stable step
         solution = ri.solve(ri.System([rod]), until=t, cells=cells, dt=dt)
         velocity = float(solution.velocity(0, 0.0, t))
-        errors.append(abs(velocity - amplitude(t, 3.0)))
+        errors.append(abs(velocity - exact))
 
-    orders = np.log2(np.array(errors[:-1]) / errors[1:])
-    assert orders == pytest.approx(2.0, abs=0.02)
+    ratios = np.array(errors[:-1]) / errors[1:]  # from one mesh to the next finer one
+    assert np.log2(ratios) == pytest.approx(2.0, abs=0.02)
 
 
 def test_a_front_loses_half_of_the_rate_of_a_whole_rod():
@@ -76,7 +80,8 @@ def test_a_front_loses_half_of_the_rate_of_a_whole_rod():
 
     just_behind = 1.5 - 0.02  # m; the front has run 1.5 m
     force = -solution.axial_force(0, just_behind, 1.5)
-    assert force == pytest.approx(math.exp(-damping * 1.5 / 2), rel=0.02)
+    expected = 1.0 * math.exp(-damping * 1.5 / 2)  # N
+    assert force == pytest.approx(expected, rel=0.02)
 
 
 def test_a_rod_slows_down_exponentially_and_drag_takes_its_energy():
@@ -88,8 +93,9 @@ def test_a_rod_slows_down_exponentially_and_drag_takes_its_energy():
     ledger = solution.energy(t)
 
     velocity = 2.0 * np.exp(-damping * t)
+    lost = (2.0**2 - velocity**2) / 2  # J, of 1 kg
     assert solution.mean_velocity(0, t) == pytest.approx(velocity, abs=1e-5)
-    assert ledger.drag_work == pytest.approx((4.0 - velocity**2) / 2, abs=2e-3)
+    assert ledger.drag_work == pytest.approx(lost, abs=2e-3)
     assert ledger.soil_work == pytest.approx(0.0)
     assert np.abs(ledger.residual).max() < 1e-13
     assert solution.outcome.drag_work == pytest.approx(ledger.drag_work[-1])
@@ -108,7 +114,7 @@ def random_row(seed):
         if rng.random() < 0.5:
             values = [coefficient, float(rng.choice([0.0, 1.0]))]
             step = length * float(rng.uniform(0.1, 0.9))
-            coefficient = ri.Steps(values, [step])
+            coefficient = ri.Steps(values, at=[step])
         rod = ri.Rod(
             length,
             area=float(rng.uniform(0.5, 2)),
@@ -125,13 +131,15 @@ def random_row(seed):
 
 @pytest.mark.parametrize("seed", few_of(range(60), range(6)))
 def test_balances_of_random_rows_close_and_drag_gives_nothing(seed):
+    round_off = 1e-15
+
     solution = ri.solve(random_row(seed), until=3.0, cells=24)
 
     assert abs(solution.outcome.momentum_residual) < 1e-13
     assert abs(solution.outcome.energy_residual) < 1e-12
     lost = solution.energy(np.linspace(0.0, 3.0, 40)).drag_work
     assert lost[-1] > 0
-    assert (np.diff(lost) > -1e-15).all()
+    assert np.diff(lost).min() > -round_off
 
 
 @pytest.mark.parametrize("seed", few_of(range(12), range(2)))
@@ -150,10 +158,11 @@ def test_a_mirrored_row_moves_alike():
     row = random_row(1)
 
     outcome = ri.solve(row, until=1.0, cells=20).outcome
-    mirrored = ri.solve(row.mirrored(), until=1.0, cells=20).outcome
+    outcome_of_mirrored = ri.solve(row.mirrored(), until=1.0, cells=20).outcome
 
-    expected = [-velocity for velocity in outcome.velocities_after]
-    assert mirrored.velocities_after[::-1] == pytest.approx(expected, abs=1e-9)
+    velocities = np.array(outcome.velocities_after)
+    mirrored = np.array(outcome_of_mirrored.velocities_after)
+    assert mirrored[::-1] == pytest.approx(-velocities, abs=1e-9)
 
 
 def test_a_continued_run_is_one_that_did_not_stop():
@@ -197,7 +206,8 @@ def test_members_of_a_family_have_drags_of_their_own():
         alone = ri.solve(ri.System([rod])[i], **options).outcome
         velocity = family.columns["velocity_after.0"][i]
         assert velocity == alone.velocities_after[0]
-    assert family.columns["velocity_after.0"][1] < 0.1  # it was 1 in the beginning
+    # The larger drag per mass, 5/s, takes nearly all of 1 m/s: exp(-5) is left.
+    assert family.columns["velocity_after.0"][1] < 0.1
 
 
 @pytest.mark.exhaustive
@@ -241,9 +251,10 @@ def test_a_rod_that_hangs_in_drag_stays_at_rest_and_has_no_soil():
     hanging = ri.System([ri.Wall(), rod], contacts=[ri.Bonded()], gravity=0.1)
 
     at_rest = ri.at_rest(hanging, cells=20)
-    run = ri.solve(at_rest, until=1.0, cells=20)
+    solution = ri.solve(at_rest, until=1.0, cells=20)
 
     assert at_rest.bodies[1].shaft == ri.Drag(1.0)
-    assert np.abs(run.velocity(1, PLACES[:, None], [0.3, 1.0])).max() < 1e-12
+    velocity = solution.velocity(1, PLACES[:, None], [0.3, 1.0])
+    assert np.abs(velocity).max() < 1e-12
     with pytest.raises(ri.InvalidModel, match="has no soil along its shaft"):
-        run.soil(1, 0.5)
+        solution.soil(1, 0.5)

@@ -31,10 +31,14 @@ def means(force, times):
 
 
 def test_the_peak_of_a_hump_is_found_behind_its_means():
-    """The hump is 1 - ((t - peak)/40)^2."""
+    """The hump is 1 - ((t - peak)/40)^2, with its peak inside a step."""
     peak = 20.3
-    hump = Polynomial([1 - peak**2 / 1600, 2 * peak / 1600, -1 / 1600])
-    assert largest_force(means(hump, STEP_ENDS)) == pytest.approx(1.0, abs=1e-12)
+    distance = Polynomial([-peak, 1.0]) / 40
+    hump = 1 - distance**2
+
+    force = largest_force(means(hump, STEP_ENDS))
+
+    assert force == pytest.approx(1.0, abs=1e-12)
 
 
 def test_no_force_has_no_peak():
@@ -58,7 +62,10 @@ PARABOLAS = {  # gaps over time, of an indentation that ends at 2.7
 
 @pytest.mark.parametrize("parabola", PARABOLAS.values(), ids=PARABOLAS)
 def test_an_indentation_ends_where_its_parabola_does(parabola):
-    (interval,) = intervals([1, 1, 1, 0, 0], parabola(np.arange(6.0)))
+    gap = parabola(np.arange(6.0))
+
+    (interval,) = intervals([1, 1, 1, 0, 0], gap)
+
     _, end = interval
     assert end == pytest.approx(2.7)
 
@@ -67,10 +74,12 @@ def test_an_indentation_ends_where_its_parabola_does(parabola):
 def test_an_indentation_of_a_single_step_ends_on_a_line(parabola):
     """There are too few gaps for a parabola."""
     gap = parabola(np.arange(6.0))
+    zero_of_line = 2 - gap[2] / (gap[3] - gap[2])  # through the gaps at 2 and 3
+
     (interval,) = intervals([0, 0, 1, 0, 0], gap)
+
     _, end = interval
-    on_line = 2 - gap[2] / (gap[3] - gap[2])
-    assert end == pytest.approx(on_line)
+    assert end == pytest.approx(zero_of_line)
 
 
 def test_an_indentation_that_does_not_end_ends_with_its_force():
@@ -81,17 +90,27 @@ def test_an_indentation_that_does_not_end_ends_with_its_force():
 
 @pytest.mark.parametrize("end", [20.04, 20.28, 20.8])
 def test_a_dashpot_lets_go_inside_a_step_while_there_is_an_indentation(end):
-    force = means(Polynomial([end, -1.0]), np.minimum(STEP_ENDS, end))
+    """The force falls along a line to 0; the gap stays below 0."""
+    line = Polynomial([end, -1.0])
+    force = means(line, np.minimum(STEP_ENDS, end))
+    gap = np.full(41, -0.1)
+
+    found = intervals(force, gap)
+
     expected = np.array([[0.0, end]])
-    assert intervals(force, np.full(41, -0.1)) == pytest.approx(expected, rel=1e-9)
+    assert found == pytest.approx(expected, rel=1e-9)
 
 
 def test_a_force_begins_and_ends_where_lines_of_the_gap_are_0():
     force = [0, 0, 5, 8, 0]
     gap = [0.9, 0.7, 0.1, -0.1, 0.3, 0.5]
+
+    found = intervals(force, gap)
+
     # Before the force the gap falls by 0.6 a step, after it rises by 0.4.
-    expected = np.array([[2 + 0.1 / 0.6, 3 + 0.1 / 0.4]])
-    assert intervals(force, gap) == pytest.approx(expected)
+    begin = 2 + 0.1 / 0.6
+    end = 3 + 0.1 / 0.4
+    assert found == pytest.approx(np.array([[begin, end]]))
 
 
 @pytest.mark.parametrize(
@@ -129,8 +148,9 @@ def test_a_rigid_contact_lets_go_where_its_means_tell(force, end):
 
 
 def test_a_force_that_goes_on_has_no_end():
-    expected = np.array([[1.0, 2.0], [3.0, np.nan]])
     found = intervals([0, 1, 0, 2, 2], [0.0] * 6)
+
+    expected = np.array([[1.0, 2.0], [3.0, np.nan]])
     assert found == pytest.approx(expected, nan_ok=True)
 
 

@@ -21,19 +21,20 @@ def damped_rod(viscosity):
     return ri.Rod(1.0, area=1.0, material=material, velocity=1.0)
 
 
-def errors_at(system, until, cells, times, exact, gap=0.0):
-    """Largest error of each field at each place, [field, place].
+def largest_errors(solution, times, exact, gap=0.0):
+    """Largest error of each field at each of `PLACES` [field, place].
 
-    The rod comes to the wall of the exact solution `gap` m further and, at 1 m/s, as
-    many seconds later.
+    `exact` has values by the names of fields [place, time]. The rod comes to the wall
+    of this exact solution `gap` m further and, at 1 m/s, as many seconds later.
     """
-    solution = ri.solve(system, until=until, method=METHOD, cells=cells)
     errors = []
-    for name in FIELDS:
-        values = getattr(solution, name)(0, PLACES[:, None], times + gap)
+    for name, exact_values in exact.items():
+        field = getattr(solution, name)
+        values = field(0, PLACES[:, None], times + gap)
         if name == "displacement":
             values = values - gap
-        errors.append(np.abs(values - getattr(exact, name)).max(axis=1))
+        differences = np.abs(values - exact_values)
+        errors.append(differences.max(axis=1))
     return np.array(errors)
 
 
@@ -44,47 +45,76 @@ def test_errors_of_a_damped_rod_that_falls_on_a_wall_are_of_order_two(viscosity,
     late.
     """
     times = np.array([0.6, 0.9, 1.25, 2.5, 2.6, 2.7, 3.2])
-    exact, opening = rod_on_wall(PLACES, times, viscosity)
+    fields, opening = rod_on_wall(PLACES, times, viscosity)
     assert 1.25 < opening < 2.5  # the times are before and after
+    exact = {name: getattr(fields, name) for name in FIELDS}
     system = ri.System([damped_rod(viscosity), ri.Wall()], gaps=[gap])
+
     errors = []
     for cells in (50, 100, 200, 400):
-        errors.append(errors_at(system, 3.5, cells, times, exact, gap))
+        solution = ri.solve(system, until=3.5, method=METHOD, cells=cells)
+        errors.append(largest_errors(solution, times, exact, gap=gap))
+
+    coarsest, *_, finest = errors
     # The stress of the free end is 0, and some other errors are small by accident.
-    clear = errors[-1] > 5e-7
+    is_clear = finest > 5e-7
     refinements = 3
-    orders = np.log2(errors[0][clear] / errors[-1][clear]) / refinements
+    orders = np.log2(coarsest[is_clear] / finest[is_clear]) / refinements
     assert orders.min() >= 1.6
-    assert errors[-1].max() <= 1e-4
+    assert finest.max() <= 1e-4
 
 
 @pytest.mark.parametrize("viscosity", [0.01, 0.3])
 def test_velocities_do_not_alternate_from_node_to_node(viscosity):
+    """Third differences are 8 times an alternation, and small of a smooth field."""
     system = ri.System([damped_rod(viscosity), ri.Wall()])
+
     solution = ri.solve(system, until=3.0, method=METHOD, cells=100)
+
     x = np.linspace(0.9, 1.0, 11)  # the last nodes
     for t in (2.5, 2.505, 2.6):
-        v = solution.velocity(0, x, t)
-        # Third differences are 8 times an alternation, and small of a smooth field.
-        assert np.abs(np.diff(v, 3)).max() <= 2e-5
+        velocity = solution.velocity(0, x, t)
+        third_differences = np.diff(velocity, 3)
+        assert np.abs(third_differences).max() <= 2e-5
 
 
-@pytest.mark.parametrize("cells", [50, 400])
-def test_fields_where_few_states_are_kept_are_as_good_as_those_with_all(cells):
-    """States come in threes, so that velocities are smoothed as with all states."""
+def solve_with_snapshots(cells, snapshots):
+    """A damped rod on a wall; `snapshots` is a number, or times, of states to keep."""
     system = ri.System([damped_rod(0.05), ri.Wall()])
-    full = ri.solve(system, until=3.0, method=METHOD, cells=cells)
+    return ri.solve(system, until=3.0, method=METHOD, cells=cells, snapshots=snapshots)
+
+
+@pytest.fixture(scope="module", params=[50, 400])
+def full(request):
+    """A run of so many cells that keeps the states of all steps."""
+    return solve_with_snapshots(request.param, snapshots=None)
+
+
+def test_fields_at_chosen_times_are_as_good_as_those_with_all_states(full):
+    """About each time there are two states with their neighbours, so that velocities
+    are smoothed as with all states.
+    """
     t = np.array([0.61, 1.3, 2.618])
-    chosen = ri.solve(system, until=3.0, method=METHOD, cells=cells, snapshots=t)
+    (cells,) = full.fields.motion.counts
+
+    chosen = solve_with_snapshots(cells, snapshots=t)
+
+    n_states = len(chosen.fields.motion.when)
+    assert n_states <= 4 * 3 + 4 + 3  # also about the start and the end
     x = PLACES[:, None]
-    # About each time there are two states with their neighbours, and so at the ends.
-    assert len(chosen.fields.motion.when) <= 4 * 3 + 4 + 3
     for name in FIELDS:
         values = getattr(chosen, name)(0, x, t)
         expected = getattr(full, name)(0, x, t)
         assert values == pytest.approx(expected, rel=1e-12, abs=1e-13)
 
-    few = ri.solve(system, until=3.0, method=METHOD, cells=cells, snapshots=40)
+
+def test_velocities_at_a_few_states_are_as_good_as_those_with_all_states(full):
+    """States come in threes, so that the middle one is smoothed as with all states."""
+    x = PLACES[:, None]
+    (cells,) = full.fields.motion.counts
+
+    few = solve_with_snapshots(cells, snapshots=40)
+
     when = few.fields.motion.when  # steps at which states are kept
     assert len(when) <= 40 + 3
     follows_at_once = np.diff(when) == 1
@@ -113,35 +143,32 @@ def test_errors_of_a_mode_are_of_order_two_everywhere(ends, viscosity):
     amplitude = np.sin(w * times) / w * fade
     rate = np.cos(w * times) * fade - decay * amplitude
     if ends == "free":
-        shape = np.cos
+        shape_function = np.cos
         slope = -np.sin(math.pi * PLACES) * math.pi
     else:
-        shape = np.sin
+        shape_function = np.sin
         slope = np.cos(math.pi * PLACES) * math.pi
+    shape = shape_function(math.pi * PLACES)
     exact = {
-        "velocity": np.outer(shape(math.pi * PLACES), rate),
+        "velocity": np.outer(shape, rate),
         "stress": np.outer(slope, amplitude + viscosity * rate),
-        "displacement": np.outer(shape(math.pi * PLACES), amplitude),
+        "displacement": np.outer(shape, amplitude),
     }
 
     def initial_velocity(x):
-        return float(shape(math.pi * x))
+        return float(shape_function(math.pi * x))
 
-    material = UNIT.replace(viscosity=viscosity)
-    rod = ri.Rod(1.0, area=1.0, material=material, velocity=initial_velocity)
+    rod = damped_rod(viscosity).replace(velocity=initial_velocity)
     system = ri.System([rod], ends=ENDS[ends])
     errors = []
     for cells in (50, 100, 200, 400):
         solution = ri.solve(system, until=2.5, method=METHOD, cells=cells)
-        errors_of_mesh = []
-        for name, values in exact.items():
-            field = getattr(solution, name)(0, PLACES[:, None], times)
-            errors_of_mesh.append(np.abs(field - values).max(axis=1))
-        errors.append(errors_of_mesh)
-    # [mesh, field, place]; smaller ones, where fields are 0, have no order.
-    errors = np.maximum(errors, 1e-9)
-    has_order = errors[0] > 1e-9
+        errors.append(largest_errors(solution, times, exact))
+
+    # Smaller errors, where fields are 0, have no order.
+    coarsest, *_, finest = np.maximum(errors, 1e-9)
+    has_order = coarsest > 1e-9
     refinements = 3
-    orders = np.log2(errors[0] / errors[-1]) / refinements
+    orders = np.log2(coarsest / finest) / refinements
     assert orders[has_order].min() >= 1.7
-    assert errors[-1].max() <= 1e-4
+    assert finest.max() <= 1e-4

@@ -42,7 +42,7 @@ def random_resistance(rng, length):
         return float(rng.uniform(0, 3))
     values = rng.uniform(0, 3, 2).tolist()
     step = length * rng.uniform(0.1, 0.9)
-    return ri.Steps(values, [step])
+    return ri.Steps(values, at=[step])
 
 
 def random_rod_in_soil(rng):
@@ -80,11 +80,16 @@ def random_pile(seed):
     return ri.System(bodies, contacts=contacts, gravity=gravity)
 
 
-@pytest.mark.parametrize("resistance", [400e3, 800e3])
-def test_a_pile_with_a_toe_alone_is_set_by_the_limit_of_lumped_masses(resistance):
-    system = pile_in_soil(soil=None, toe=ri.SmithToe(resistance, QUAKE))
-    # The sets of ever more lumped masses go to these, m.
-    limit = {400e3: 65.726e-3, 800e3: 31.708e-3}[resistance]
+@pytest.mark.parametrize(
+    ("resistance", "limit"),  # N, and m
+    [(400e3, 65.726e-3), (800e3, 31.708e-3)],
+)
+def test_a_pile_with_a_toe_alone_is_set_by_the_limit_of_lumped_masses(
+    resistance, limit
+):
+    """Sets of a `LumpedPile` of ever more masses go to this limit."""
+    toe = ri.SmithToe(resistance, quake=QUAKE)
+    system = pile_in_soil(soil=None, toe=toe)
 
     exact = ri.solve(system, until=0.25)
 
@@ -96,9 +101,10 @@ def test_a_pile_with_a_toe_alone_is_set_by_the_limit_of_lumped_masses(resistance
 @pytest.mark.parametrize("law", ["smith", "viscous"])
 @pytest.mark.parametrize("resistance", [200e3, 600e3, 1000e3])
 def test_a_blow_is_that_of_a_chain_of_lumped_masses(law, resistance):
+    """By the set of the toe, the work on the soil and the largest compression."""
     half = resistance / 2  # of the shaft, and of the toe, N
-    soil = ri.Soil(half, QUAKE, damping=0.16, law=law)
-    system = pile_in_soil(soil, ri.SmithToe(half, QUAKE, damping=0.5))
+    soil = ri.Soil(half, quake=QUAKE, damping=0.16, law=law)
+    system = pile_in_soil(soil, ri.SmithToe(half, quake=QUAKE, damping=0.5))
     chain = LumpedPile(
         ram_mass=RAM_MASS,
         ram_velocity=RAM_VELOCITY,
@@ -119,7 +125,8 @@ def test_a_blow_is_that_of_a_chain_of_lumped_masses(law, resistance):
     lumped = strike(chain, segments=150, duration=0.1, step=4e-6)
 
     toe_set = blow.contacts[1].permanent_set()
-    compression = -blow.extreme_stress(1).compression.stress * AREA
+    compressive_stress = -blow.extreme_stress(1).compression.stress
+    compression = compressive_stress * AREA  # N
     assert toe_set == pytest.approx(lumped.toe_set, rel=1e-3)
     assert blow.outcome.soil_work == pytest.approx(lumped.soil_work, rel=1e-3)
     assert compression == pytest.approx(lumped.largest_compression, rel=1e-2)
@@ -170,8 +177,11 @@ def energies_with_elastic_soil(soil):
 def test_soil_without_damping_gives_back_all_that_its_springs_store():
     energy = energies_with_elastic_soil(ELASTIC_SOIL.replace(damping=0.0))
 
-    at_start = 15.0**2 / (2 * 5.0) + 0.5  # 15 N on springs of 5 N/m; and kinetic, J
-    assert energy == pytest.approx(at_start, rel=2e-3)
+    force = 0.3 * 50.0  # mobilised of the resistance, N
+    stiffness = 50.0 / 10.0  # resistance over quake, N/m
+    stored = force**2 / (2 * stiffness)
+    kinetic = 0.5  # of 1 kg at 1 m/s, J
+    assert energy == pytest.approx(stored + kinetic, rel=2e-3)
 
 
 @pytest.mark.parametrize("law", ["smith", "viscous"])
@@ -186,7 +196,7 @@ def test_soil_resists_a_mirrored_row_alike():
     """A rod that is thrown to the left makes soil yield as one that is thrown to the
     right.
     """
-    soil = ri.Soil(ri.Steps([3.0, 1.0], [0.3]), quake=0.05, damping=0.4)
+    soil = ri.Soil(ri.Steps([3.0, 1.0], at=[0.3]), quake=0.05, damping=0.4)
     rod = ri.Rod(1.0, area=1.0, material=SOFT, velocity=1.0, shaft=soil)
     system = ri.System([rod])
 
@@ -197,11 +207,14 @@ def test_soil_resists_a_mirrored_row_alike():
     of_left = left.soil(0, 0.4)
     assert of_left.mobilised[::-1] == pytest.approx(-of_right.mobilised)
     assert of_left.plastic_set[::-1] == pytest.approx(-of_right.plastic_set)
-    assert of_right.plastic_set.min() > 0.1
+    assert of_right.plastic_set.min() > 0.1  # m: it yields along all of the shaft
     assert left.outcome.soil_work == pytest.approx(right.outcome.soil_work)
 
 
 def test_errors_of_a_smooth_motion_fall_with_the_square_of_the_step():
+    """Of the velocity of an end, against a mesh that is four times as fine as the finest
+    of them.
+    """
     soil = ri.Soil(3.0, quake=0.5, damping=0.4)
     velocity = ri.Samples(np.cos(np.linspace(0, np.pi, 65)))
     rod = ri.Rod(1.0, area=1.0, material=SOFT, velocity=velocity, shaft=soil)
@@ -210,33 +223,36 @@ def test_errors_of_a_smooth_motion_fall_with_the_square_of_the_step():
 
     velocities = []
     for cells in (25, 50, 100, 400):
-        dt = until / cells / 2
+        dt = until / (2 * cells)  # 0.4 of the longest stable step
         solution = ri.solve(system, until=until, cells=cells, dt=dt)
         velocities.append(float(solution.velocity(0, 1.0, until)))
 
     *coarse, fine = velocities
-    errors = np.abs(np.array(coarse) - fine)
+    first, second, third = np.abs(np.array(coarse) - fine)
     # Halving the step makes an error of order 2 four times as small.
-    assert errors[0] / errors[1] > 3
-    assert errors[1] / errors[2] > 3
+    assert first / second > 3
+    assert second / third > 3
 
 
 def test_a_pile_that_soil_carries_stays_at_rest():
+    """The soil has mobilised just what carries the weight of the pile."""
     weight = STEEL.density * AREA * LENGTH * 9.81
-    soil = ri.Soil(400e3, QUAKE, damping=0.16, mobilised=weight / 400e3)
+    resistance = 400e3
+    soil = ri.Soil(resistance, quake=QUAKE, damping=0.16, mobilised=weight / resistance)
     pile = ri.Rod(LENGTH, area=AREA, material=STEEL, shaft=soil)
 
     resting = ri.solve(ri.System([pile], gravity=9.81), until=0.05, cells=50)
 
     x = np.linspace(0.0, LENGTH, 7)[:, None]
     t = np.linspace(0.0, 0.05, 40)
-    assert np.abs(resting.velocity(0, x, t)).max() < 1e-9
+    velocity = resting.velocity(0, x, t)
+    assert np.abs(velocity).max() < 1e-9
     assert resting.outcome.soil_work == pytest.approx(0.0, abs=1e-6)
 
 
 def test_two_bonded_halves_in_soil_are_one_pile():
-    soil = ri.Soil(400e3, QUAKE, damping=0.16)
-    toe = ri.SmithToe(400e3, QUAKE, damping=0.5)
+    soil = ri.Soil(400e3, quake=QUAKE, damping=0.16)
+    toe = ri.SmithToe(400e3, quake=QUAKE, damping=0.5)
     whole = pile_in_soil(soil, toe)
     ram, pile, wall = whole.bodies
     # The resistance of soil is that along all of its rod.
@@ -248,20 +264,21 @@ def test_two_bonded_halves_in_soil_are_one_pile():
     by_halves = ri.solve(halves, until=0.02, cells=40)
 
     t = np.linspace(0.0, 0.02, 50)
-    velocity = by_whole.velocity(1, LENGTH, t)
-    middle_force = -by_whole.axial_force(1, LENGTH / 2, t)
-    near = 0.02 * np.abs(middle_force).max()
+    toe_velocity = by_halves.velocity(2, LENGTH / 2, t)
+    expected_velocity = by_whole.velocity(1, LENGTH, t)
+    assert toe_velocity == pytest.approx(expected_velocity, abs=1e-2)
     bond_force = by_halves.contacts[1].force(t)
-    assert by_halves.velocity(2, LENGTH / 2, t) == pytest.approx(velocity, abs=1e-2)
+    middle_force = -by_whole.axial_force(1, LENGTH / 2, t)
+    bound = 0.02 * np.abs(middle_force).max()
     # The front of the blow, which a grid does not resolve, passes before these times.
-    assert bond_force[5:] == pytest.approx(middle_force[5:], abs=near)
+    assert bond_force[5:] == pytest.approx(middle_force[5:], abs=bound)
 
 
 @pytest.mark.skipif(not kernels.enabled(), reason="takes long in plain Python")
 @pytest.mark.parametrize("law", few_of(["smith", "viscous"], ["smith"]))
 def test_a_continued_blow_is_one_that_did_not_stop(law):
-    soil = ri.Soil(400e3, QUAKE, damping=0.16, law=law)
-    system = pile_in_soil(soil, ri.SmithToe(400e3, QUAKE, damping=0.5))
+    soil = ri.Soil(400e3, quake=QUAKE, damping=0.16, law=law)
+    system = pile_in_soil(soil, ri.SmithToe(400e3, quake=QUAKE, damping=0.5))
 
     whole = ri.solve(system, until=0.05, cells=150)
     first_part = ri.solve(system, until=0.02, cells=150)
@@ -272,13 +289,16 @@ def test_a_continued_blow_is_one_that_did_not_stop(law):
     set_of_whole = whole.contacts[1].permanent_set()
     assert set_of_first + set_of_second == pytest.approx(set_of_whole, rel=1e-3)
     t = np.linspace(0.0, 0.03, 30)
-    velocity = whole.velocity(1, LENGTH, t + 0.02)
-    assert second_part.velocity(1, LENGTH, t) == pytest.approx(velocity, abs=0.03)
+    toe_velocity = second_part.velocity(1, LENGTH, t)
+    expected = whole.velocity(1, LENGTH, t + 0.02)
+    assert toe_velocity == pytest.approx(expected, abs=0.03)
 
 
 @pytest.mark.parametrize("side", ["left", "right"])
 def test_contacts_that_begin_pressed_push_from_the_start_on(side):
-    """The end of the rod moves as by characteristics; the rod lies on this `side`."""
+    """The end of the rod moves as by characteristics, to an error that falls with the
+    step. The rod lies on this `side`.
+    """
     rod = ri.Rod(1.0, area=1.0, material=SOFT)
     bodies = [rod, ri.RigidMass(1.0)]
     system = ri.System(bodies, gaps=[-0.1], contacts=[ri.Spring(2.0)])
@@ -302,21 +322,21 @@ def test_contacts_that_begin_pressed_push_from_the_start_on(side):
 
 
 def test_characteristics_say_that_they_have_no_soil():
-    system = pile_in_soil(ri.Soil(1e5, QUAKE), ri.SmithToe(1e5, QUAKE))
+    system = pile_in_soil(ri.Soil(1e5, quake=QUAKE), ri.SmithToe(1e5, quake=QUAKE))
     with pytest.raises(ri.InvalidModel, match=r"bodies.1.shaft.*soil along a shaft"):
         ri.solve(system, until=0.01, method="characteristics")
 
 
 def test_a_run_in_soil_needs_an_end():
-    soil = ri.Soil(1.0, QUAKE)
+    soil = ri.Soil(1.0, quake=QUAKE)
     rod = ri.Rod(1.0, area=1.0, material=STEEL, velocity=1.0, shaft=soil)
     with pytest.raises(ri.InvalidModel, match=r"until.*soil"):
         ri.solve(ri.System([rod]))
 
 
 def test_members_of_a_family_have_soils_of_their_own():
-    soil = ri.Soil([200e3, 400e3], QUAKE, damping=0.16)
-    system = pile_in_soil(soil, ri.SmithToe(400e3, QUAKE))
+    soil = ri.Soil([200e3, 400e3], quake=QUAKE, damping=0.16)
+    system = pile_in_soil(soil, ri.SmithToe(400e3, quake=QUAKE))
     options = {"until": 0.02, "cells": 30}
 
     family = ri.sweep(system, **options, workers=1, also=["set"])

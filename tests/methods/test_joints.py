@@ -46,7 +46,7 @@ def chain_of_masses():
     ]
     laws = [
         ri.Joint(STIFFNESS[0], stretch=STRETCH),
-        ri.Joint(STIFFNESS[1], DAMPING),
+        ri.Joint(STIFFNESS[1], damping=DAMPING),
         ri.Rigid(),
     ]
     return ri.System(bodies, gaps=[0.0, 0.0, 100.0], contacts=laws)
@@ -152,7 +152,7 @@ def sides_of(system, steps):
     One triple at the end of each of these steps of 1/64 s, in the laboratory and in SI
     units.
     """
-    run = grid_run(system, steps[-1], step=1 / 64)
+    run = grid_run(system, room=steps[-1], step=1 / 64)
     node = int(run.grid.links["left_node"][-1])
     sides = []
     for step in steps:
@@ -168,8 +168,8 @@ RODS_ON_A_MASS = [
     unit_rod(velocity=0.4),
 ]
 RODS_ON_A_WALL = [ri.Wall(), quick_rod(velocity=0.2), unit_rod(velocity=0.4)]
-SOFT = [ri.Joint(0.02, stretch=0.3), ri.Joint(0.05, 0.01)]
-DASHPOTS = [ri.Joint(0.0, 0.05), ri.Joint(0.0, 0.3)]
+SOFT = [ri.Joint(0.02, stretch=0.3), ri.Joint(0.05, damping=0.01)]
+DASHPOTS = [ri.Joint(0.0, damping=0.05), ri.Joint(0.0, damping=0.3)]
 
 
 @pytest.mark.parametrize(
@@ -301,11 +301,11 @@ MISTAKES = {
         {"stiffness": "=must be positive where the damping is 0, got 0.0"},
     ),
     "a member without both": (
-        lambda: ri.Joint([1.0, 0.0], [0.0, 0.0]),
+        lambda: ri.Joint([1.0, 0.0], damping=[0.0, 0.0]),
         {"stiffness[1]": ""},
     ),
     "three mistakes at once": (
-        lambda: ri.Joint(-1.0, math.nan, math.inf),
+        lambda: ri.Joint(-1.0, damping=math.nan, stretch=math.inf),
         {"stiffness": "", "damping": "", "stretch": ""},
     ),
     "a gap": (
@@ -313,7 +313,7 @@ MISTAKES = {
         {"gaps.0": "must be 0 where bodies are joined, got 0.001; a Joint takes"},
     ),
     "a dashpot backwards in time": (
-        lambda: ri.System(PAIR, contacts=[ri.Joint(1.0, 0.1)]).reversed(),
+        lambda: ri.System(PAIR, contacts=[ri.Joint(1.0, damping=0.1)]).reversed(),
         {"contacts.0.damping": ""},
     ),
     "too stiff": (

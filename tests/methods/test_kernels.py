@@ -107,9 +107,9 @@ def test_transit_times_of_one_material_are_in_the_ratio_of_their_lengths():
 )
 def test_a_log_that_is_full_grows_and_the_run_goes_on(monkeypatch, compiling):
     system = random_system(3)
-    roomy = bits_of(system, horizon(system, 8), compiling)
+    roomy = bits_of(system, horizon(system, transits=8), compiling)
     monkeypatch.setattr(batch, "INITIAL_LOG_ROWS", 1)
-    assert bits_of(system, horizon(system, 8), compiling) == roomy
+    assert bits_of(system, horizon(system, transits=8), compiling) == roomy
 
 
 @pytest.mark.skipif(not kernels.enabled(), reason="compiling is disabled")

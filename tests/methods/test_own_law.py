@@ -16,7 +16,10 @@ BAR = ri.Rod(1.0, area=1e-4, material=STEEL)
 LAWS = {  # functions of overlap and closing velocity, and the laws that they repeat
     "spring": (lambda d, _: 1e8 * d, ri.Spring(1e8)),
     "hertz": (lambda d, _: 1e10 * d**1.5, ri.Hertz(1e10)),
-    "dashpot": (lambda d, rate: 1e8 * d + 500.0 * rate, ri.SpringDashpot(1e8, 500.0)),
+    "dashpot": (
+        lambda d, rate: 1e8 * d + 500.0 * rate,
+        ri.SpringDashpot(1e8, damping=500.0),
+    ),
     "hunt-crossley": (
         lambda d, rate: 1e10 * d**1.5 * (1 + 0.3 * rate),
         ri.HuntCrossley(1e10, damping=0.3),

@@ -13,7 +13,7 @@ from networks import unit_rod
 import rodimpact as ri
 
 UNTIL = 3.4  # s, in which waves pass a rod three times
-STEPS = ri.Steps([0.0, 1.0, -0.5, 0.2], [0.3, 0.71, 1.9])
+STEPS = ri.Steps([0.0, 1.0, -0.5, 0.2], at=[0.3, 0.71, 1.9])
 SAMPLES = ri.Samples([0.0, 1.0, -0.5, 0.2, 0.3], step=0.7)
 
 

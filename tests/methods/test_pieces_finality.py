@@ -24,15 +24,15 @@ def stepped_rod(rng, velocity, n=3):
     areas = rng.uniform(0.3, 3, n)
     segments = []
     for length, area in zip(lengths, areas, strict=True):
-        segments.append(ri.Segment(float(length), float(area), UNIT))
+        segments.append(ri.Segment(float(length), area=float(area), material=UNIT))
     total = float(lengths.sum())
     places = [0.3 * total, 0.6 * total]
     velocities = velocity + rng.uniform(-1, 1, 3)
     strains = 0.3 * rng.uniform(-1, 1, 3)
     return ri.Rod(
         segments=segments,
-        velocity=ri.Steps(velocities.tolist(), places),
-        strain=ri.Steps(strains.tolist(), places),
+        velocity=ri.Steps(velocities.tolist(), at=places),
+        strain=ri.Steps(strains.tolist(), at=places),
     )
 
 
@@ -61,7 +61,7 @@ def test_the_ends_of_a_group_deviate_within_their_bounds(seed):
     transits.
     """
     rng = np.random.default_rng(seed)
-    rod = stepped_rod(rng, 0.2)
+    rod = stepped_rod(rng, velocity=0.2)
     right_end = (0, rod.length)  # body, and material coordinate
     system = ri.System([rod])
     if seed % 2 == 1:
@@ -93,7 +93,8 @@ def test_a_mass_on_a_dashpot_deviates_within_its_bound(damping):
     """
     rod = unit_rod(1.0, velocity=1.0)
     system = ri.System(
-        [rod, ri.RigidMass(0.5, velocity=-0.5)], contacts=[ri.Joint(0.0, damping)]
+        [rod, ri.RigidMass(0.5, velocity=-0.5)],
+        contacts=[ri.Joint(0.0, damping=damping)],
     )
     group = parts_at_start(system)[0]
     reach = np.sqrt(4 / 27) + 4 / (3 * damping)
@@ -112,10 +113,14 @@ def test_a_mass_on_a_dashpot_deviates_within_its_bound(damping):
 
 
 @pytest.mark.parametrize("seed", few_of(range(12), range(2)))
-@pytest.mark.parametrize("law", [ri.Hertz(20.0), ri.SpringDashpot(20.0, 0.5)])
+@pytest.mark.parametrize("law", [ri.Hertz(20.0), ri.SpringDashpot(20.0, damping=0.5)])
 def test_a_run_three_times_as_long_as_a_final_one_has_the_same_contacts(seed, law):
     rng = np.random.default_rng(seed)
-    bodies = [stepped_rod(rng, 1.0, 1), ri.RigidMass(0.5), stepped_rod(rng, -0.3, 1)]
+    bodies = [
+        stepped_rod(rng, velocity=1.0, n=1),
+        ri.RigidMass(0.5),
+        stepped_rod(rng, velocity=-0.3, n=1),
+    ]
     system = ri.System(bodies, gaps=[0.1, 0.1], contacts=[law, ri.Spring(50.0)])
 
     solution = ri.solve(system)
@@ -132,7 +137,7 @@ def test_a_run_three_times_as_long_as_a_final_one_has_the_same_contacts(seed, la
 
 def test_the_energy_about_the_mean_is_that_of_the_ledger():
     rng = np.random.default_rng(3)
-    system = ri.System([stepped_rod(rng, 0.4)])
+    system = ri.System([stepped_rod(rng, velocity=0.4)])
     (group, *_) = parts_at_start(system)
     energy = ri.solve(system, until=1.0, method="characteristics").energy(0.0)
     assert group.reference_energy == pytest.approx(float(energy.vibration), rel=1e-12)

@@ -72,10 +72,10 @@ def duration_and_peak_force(mass, velocity, law):
     [
         ri.Spring(3.0),
         ri.Hertz(3.0),
-        ri.PowerLaw(3.0, 1.2),
-        ri.PowerLaw(3.0, 2.2),
-        ri.PowerLaw(3.0, 7.5),
-        ri.PowerLaw(3.0, 20.0),
+        ri.PowerLaw(3.0, exponent=1.2),
+        ri.PowerLaw(3.0, exponent=2.2),
+        ri.PowerLaw(3.0, exponent=7.5),
+        ri.PowerLaw(3.0, exponent=20.0),
     ],
     ids=repr,
 )
@@ -173,7 +173,7 @@ def test_a_blow_of_two_rigid_masses_takes_no_time_and_its_share_of_the_energy(ga
 
 
 @pytest.mark.parametrize(
-    "law", [ri.Rigid(restitution=0.5), ri.SpringDashpot(1e4, 150.0)]
+    "law", [ri.Rigid(restitution=0.5), ri.SpringDashpot(1e4, damping=150.0)]
 )
 def test_a_stack_comes_to_rest_and_carries_its_weight(law):
     bodies = [ri.RigidMass(1.0), ri.RigidMass(2.0), ri.RigidMass(3.0), ri.Wall()]

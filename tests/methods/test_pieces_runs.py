@@ -51,7 +51,7 @@ def family():
     lengths = np.array([0.4, 0.7, 1.0, 0.9])
     stiffnesses = np.array([[10.0], [1e5]])
     bodies = [unit_rod(lengths, velocity=1.0), ri.RigidMass(0.5), unit_rod(1.3)]
-    laws = [ri.Hertz(stiffnesses), ri.HuntCrossley(20.0, 0.2)]
+    laws = [ri.Hertz(stiffnesses), ri.HuntCrossley(20.0, damping=0.2)]
     return ri.System(bodies, gaps=[0.0, 0.01], contacts=laws)
 
 

@@ -77,11 +77,11 @@ def test_a_dashpot_between_endless_bars_lets_go_on_time(k, damping):
     They have the impedance 2, so that d' = v - F. The force F = k d + c d' ends where
     k d = -c v, at a known time.
     """
-    striker = unit_rod(1.0, area=2.0, velocity=ri.Steps([-1.0, 1.0], [0.5]))
+    striker = unit_rod(1.0, area=2.0, velocity=ri.Steps([-1.0, 1.0], at=[0.5]))
     struck = unit_rod(1.0, area=2.0)
     system = ri.System(
         [striker, struck],
-        contacts=[ri.SpringDashpot(k, damping)],
+        contacts=[ri.SpringDashpot(k, damping=damping)],
         ends=[ri.Absorbing(), ri.Absorbing()],
     )
     share = 1 / (1 + damping)  # F = (k d + c v) share

@@ -98,7 +98,7 @@ class InitialState:
         """A profile, with a number as steps without a jump."""
         if isinstance(profile, ri.Steps):
             return profile
-        return ri.Steps([profile], [])
+        return ri.Steps([profile], at=[])
 
     def __call__(self, x):
         velocity = self.velocity.values[bisect_right(self.velocity.at, x)]
@@ -265,7 +265,7 @@ def random_segment(pick, impedances, longest):
     c = pick.choice([1, 1, 2])
     T = pick.randint(1, longest)
     material = ri.Material("m", youngs_modulus=float(c * c), density=1.0)
-    return ri.Segment(float(c * T), pick.choice(impedances) / c, material)
+    return ri.Segment(float(c * T), area=pick.choice(impedances) / c, material=material)
 
 
 def random_rod(pick, impedances, longest):
@@ -282,8 +282,8 @@ def random_rod(pick, impedances, longest):
     strains = [pick.randint(-2, 2) for _ in range(jumps + 1)]
     return ri.Rod(
         segments=segments,
-        velocity=ri.Steps(velocities, places),
-        strain=ri.Steps(strains, places),
+        velocity=ri.Steps(velocities, at=places),
+        strain=ri.Steps(strains, at=places),
     )
 
 

@@ -112,7 +112,7 @@ def driven_pair(end):
     return ri.System([ROD, STILL], gaps=[1e-3], ends=(end, ri.Free()))
 
 
-PUSHED_FOR_A_WHILE = ri.Pushed(ri.Steps([1.0, 0.0], [1e-5]))
+PUSHED_FOR_A_WHILE = ri.Pushed(ri.Steps([1.0, 0.0], at=[1e-5]))
 FALLING_FROM_AN_END = ri.System([ROD], gravity=9.81, ends=(ri.Fixed(), ri.Free()))
 
 
@@ -260,12 +260,12 @@ CONE = ri.Rod(0.4, area=ri.Samples([1e-4, 2e-4]), material=STEEL)
 RAMP = ri.Samples([0.0, 1.0], step=1e-5)
 LOSSY_AND_THICK = ri.Segment(
     0.5,
-    1e-4,
-    LOSSY.segments[0].material,
+    area=1e-4,
+    material=LOSSY.segments[0].material,
     polar_moment=1e-8,
     lateral_inertia="rayleigh-love",
 )
-MIXED = ri.Rod(segments=[ri.Segment(0.5, 1e-4, STEEL), LOSSY_AND_THICK])
+MIXED = ri.Rod(segments=[ri.Segment(0.5, area=1e-4, material=STEEL), LOSSY_AND_THICK])
 SMOOTH = ROD.replace(velocity=ri.Samples([0.0, 1.0]))
 BY_MINDLIN_AND_HERRMANN = THICK.replace(lateral_inertia="mindlin-herrmann")
 FOR_CHARACTERISTICS = {  # a row, and by path what fronts lack

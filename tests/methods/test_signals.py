@@ -39,31 +39,43 @@ def value_at(steps, t):
 
 
 @given(STEPS, TICKS, TICKS)
-def test_value_limit_from_the_left_and_integral_of_steps(steps, t, u):
-    signal = signal_of(steps)
-    assert signal.at(t) == value_at(steps, t)
-    assert signal.at(t, "left") == value_at(steps, t - 1)
+def test_steps_have_their_values_on_both_sides_of_ticks_and_their_integrals(
+    steps, t, u
+):
+    """Integrals are sums of the values from tick to tick."""
     low = min(t, u)
     high = max(t, u)
     exact = sum(value_at(steps, k) for k in range(low, high))
+
+    signal = signal_of(steps)
+
+    assert signal.at(t) == value_at(steps, t)
+    assert signal.at(t, "left") == value_at(steps, t - 1)
     assert signal.integral(low, high) == exact
     assert signal.integral(high, low) == -exact
 
 
 @given(STEPS, STEPS, TICKS, st.integers(0, 60), st.integers(-30, 130))
-def test_integrals_of_products_of_steps(first, second, start, length, about):
+def test_integrals_of_products_of_steps_are_sums_over_ticks(
+    first, second, start, length, about
+):
     """With the second signal as it is, and as it runs backwards: s(about - t)."""
     stop = start + length
+    exact = 0
+    exact_backwards = 0
+    for k in range(start, stop):
+        value = value_at(first, k)
+        exact += value * value_at(second, k)
+        # From tick k to k + 1 the other runs backwards from about - k to about - k - 1.
+        exact_backwards += value * value_at(second, about - k - 1)
+
     f = signal_of(first)
     g = signal_of(second)
-    exact = 0
-    exact_turned = 0
-    for k in range(start, stop):
-        exact += value_at(first, k) * value_at(second, k)
-        # From tick k to k + 1 the other runs backwards from about - k to about - k - 1.
-        exact_turned += value_at(first, k) * value_at(second, about - k - 1)
-    assert (f * g).integral(start, stop) == exact
-    assert (f * g.time_reversed(about)).integral(start, stop) == exact_turned
+    product = f * g
+    product_backwards = f * g.time_reversed(about)
+
+    assert product.integral(start, stop) == exact
+    assert product_backwards.integral(start, stop) == exact_backwards
 
 
 # Polynomial pieces, beside NumPy's polynomials and SciPy's quadrature
@@ -95,7 +107,8 @@ def exact_value(polynomials, t):
     last = polynomials[-1].domain[1]
     inside = min(max(t, first), last)
     begun = [p for p in polynomials if p.domain[0] <= inside]
-    return begun[-1](inside)
+    current = begun[-1]
+    return current(inside)
 
 
 def breaks_of(polynomials):
@@ -109,7 +122,8 @@ def integrated(function, start, stop, breaks):
     inside = [t for t in breaks if start < t < stop]
     total = 0.0
     for low, high in pairwise(sorted({start, *inside, stop})):
-        total += quad(function, low, high, epsabs=0, epsrel=1e-12)[0]
+        integral, _ = quad(function, low, high, epsabs=0, epsrel=1e-12)
+        total += integral
     return total
 
 
@@ -135,64 +149,74 @@ def test_polynomials_have_two_sides_at_breaks(seed):
 
 @pytest.mark.parametrize("seed", range(3))
 def test_integrals_of_polynomials_and_of_their_products_are_those_of_scipy(seed):
-    f, of_f = random_pieces(seed)
-    g, of_g = random_pieces(seed + 10, size=4, count=9)
+    """Over the span from `start` to `stop`; the second factor of a product runs forward,
+    or backwards.
+    """
+    f, polynomials_of_f = random_pieces(seed)
+    g, polynomials_of_g = random_pieces(seed + 10, size=4, count=9)
     start = int(f.ticks[1]) - 99
     stop = max(f.end, g.end) + 999  # beyond the end, too
     low = float(start - LATE)
     high = float(stop - LATE)
     span = high - low
-    breaks_of_f = breaks_of(of_f)
-    breaks_of_g = breaks_of(of_g)
-    turned_breaks = [low + high - t for t in breaks_of_g]
+    breaks_of_f = breaks_of(polynomials_of_f)
+    breaks_of_g = breaks_of(polynomials_of_g)
+    breaks_backwards = [low + high - t for t in breaks_of_g]
 
-    def value(t):
-        return exact_value(of_f, t)
+    def f_at(t):
+        return exact_value(polynomials_of_f, t)
 
-    def product(t):
-        return exact_value(of_f, t) * exact_value(of_g, t)
+    def g_at(t):
+        return exact_value(polynomials_of_g, t)
 
-    def product_with_turned(t):
-        return exact_value(of_f, t) * exact_value(of_g, low + high - t)
-
-    mean = integrated(value, low, high, breaks_of_f) / span
+    mean = integrated(f_at, low, high, breaks_of_f) / span
     forth, back = f.integral([start, stop], [stop, start]) / span
     assert forth == pytest.approx(mean, abs=1e-12)
     assert back == pytest.approx(-mean, abs=1e-12)
 
-    mean = integrated(product, low, high, breaks_of_f + breaks_of_g) / span
-    integral = (f * g).integral(start, stop)
-    assert integral / span == pytest.approx(mean, abs=1e-12)
+    breaks = breaks_of_f + breaks_of_g
+    mean = integrated(lambda t: f_at(t) * g_at(t), low, high, breaks) / span
+    product = f * g
+    assert product.integral(start, stop) / span == pytest.approx(mean, abs=1e-12)
 
-    breaks = breaks_of_f + turned_breaks
-    mean = integrated(product_with_turned, low, high, breaks) / span
-    integral = (f * g.time_reversed(start + stop)).integral(start, stop)
-    assert integral / span == pytest.approx(mean, abs=1e-12)
+    def product_backwards_at(t):
+        return f_at(t) * g_at(low + high - t)
+
+    breaks = breaks_of_f + breaks_backwards
+    mean = integrated(product_backwards_at, low, high, breaks) / span
+    product = f * g.time_reversed(start + stop)
+    assert product.integral(start, stop) / span == pytest.approx(mean, abs=1e-12)
 
 
 @pytest.mark.parametrize("size", [1, 2, 9])
 def test_difference_product_delay_sum_and_multiple_have_their_values(size):
-    f, _ = random_pieces(1, size)
+    f, _ = random_pieces(1, size=size)
     g, _ = random_pieces(2, count=3)  # with other breaks and another degree
     ticks = np.random.default_rng(3).integers(f.ticks[0], min(f.end, g.end), 40)
-    difference = f.at(ticks) - g.at(ticks)
-    product = f.at(ticks) * g.at(ticks)
-    assert (f - g).at(ticks) == pytest.approx(difference, abs=1e-13)
-    assert (f * g).at(ticks) == pytest.approx(product, abs=1e-13)
+    of_f = f.at(ticks)
+    of_g = g.at(ticks)
+
+    difference = f - g
+    product = f * g
     changed = f.later(5).plus(2.0).times(3.0)
-    expected = 3 * (f.at(ticks) + 2)
+
+    assert difference.at(ticks) == pytest.approx(of_f - of_g, abs=1e-13)
+    assert product.at(ticks) == pytest.approx(of_f * of_g, abs=1e-13)
+    expected = 3 * (of_f + 2)
     assert changed.at(ticks + 5) == pytest.approx(expected, abs=1e-13)
 
 
 @pytest.mark.parametrize("size", [1, 2, 9])
 def test_a_part_of_a_signal_has_its_values(size):
-    signal, _ = random_pieces(1, size)
+    signal, _ = random_pieces(1, size=size)
     start = int(signal.ticks[1])
     stop = int(signal.ticks[3])
+
     part = signal.within(start, stop)
+
     assert len(part.ticks) < len(signal.ticks)
     ticks = np.random.default_rng(3).integers(start, stop + 1, 40)
-    assert (part.at(ticks) == signal.at(ticks)).all()
+    assert np.array_equal(part.at(ticks), signal.at(ticks))
 
 
 def test_straight_lines_between_marks_follow_a_signal():
@@ -202,16 +226,17 @@ def test_straight_lines_between_marks_follow_a_signal():
     ticks = np.random.default_rng(5).integers(signal.ticks[0], signal.end, 2000)
 
     # Ticks as late as these are subtracted as integers: floats would round them.
-    lines = np.interp(
-        (ticks - LATE).astype(float), (marks - LATE).astype(float), at_marks
-    )
+    times = (ticks - LATE).astype(float)
+    times_of_marks = (marks - LATE).astype(float)
+    lines = np.interp(times, times_of_marks, at_marks)
 
     # The bound of `marks` is on the sum of the coefficients, which exceeds the range.
-    largest_error = np.abs(lines - signal.at(ticks)).max()
-    assert largest_error < 2 * LINE_RTOL * np.ptp(at_marks)
+    errors = np.abs(lines - signal.at(ticks))
+    assert errors.max() < 2 * LINE_RTOL * np.ptp(at_marks)
     # A line over one of n parts of a piece misses it by about its bend/(2 n^2). The
     # bends of these pieces are up to some 10 ranges of the signal.
-    assert len(marks) < 4 / np.sqrt(LINE_RTOL) * len(signal.ticks)
+    most_parts = 4 / np.sqrt(LINE_RTOL)  # of a piece
+    assert len(marks) < most_parts * len(signal.ticks)
 
 
 def test_a_constant_signal_needs_no_marks_but_its_breaks():
@@ -227,6 +252,9 @@ def test_what_acts_for_a_moment_does_not_gather_round_off_afterwards():
     force[7] = 0.1
     end = count * width
     signal = Pieces(np.arange(count) * width, force)
+    impulse = 0.1 * width
+    time_since = end - 7.5 * width  # since the middle of the piece in which it acts
+
     integral = signal.integrated_twice(end)
-    # The impulse times the time since the middle of the piece in which it acts.
-    assert integral == pytest.approx(0.1 * width * (end - 7.5 * width), rel=1e-14)
+
+    assert integral == pytest.approx(impulse * time_since, rel=1e-14)
