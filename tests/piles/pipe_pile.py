@@ -17,8 +17,8 @@ RAM = ri.RigidMass(4536.19, velocity=3.466251)
 def pipe_pile(law, helmet=None, head=None):
     """The system of ram, helmet if there is one, pile and wall below the toe.
 
-    Half of the resistance of 600 kN acts along the shaft. `head` is the contact of
-    helmet and pile, rigid by default.
+    Half of the resistance of 600 kN acts along the shaft, by a law of `ri.Soil`:
+    "smith" or "viscous". `head` is the contact of helmet and pile, rigid by default.
     """
     soil = ri.Soil(300e3, QUAKE, damping=0.16, law=law)
     pile = ri.Rod(LENGTH, area=AREA, material=STEEL, shaft=soil)
@@ -26,6 +26,7 @@ def pipe_pile(law, helmet=None, head=None):
     cushion = ri.Cushion(CUSHION, restitution=0.8)
     if helmet is None:
         return ri.System([RAM, pile, ri.Wall()], contacts=[cushion, toe])
-    return ri.System(
-        [RAM, helmet, pile, ri.Wall()], contacts=[cushion, head or ri.Rigid(), toe]
-    )
+    if head is None:
+        head = ri.Rigid()
+    bodies = [RAM, helmet, pile, ri.Wall()]
+    return ri.System(bodies, contacts=[cushion, head, toe])

@@ -44,15 +44,13 @@ def test_blow_counts_are_published_ones_and_stated_errors_are_small(law, part):
     assert graph["compression_error"].max() < 5e-3  # a bound, several times the error
 
 
-@needs_compiler
-@pytest.mark.parametrize("law", few_of(["smith", "viscous"], ["smith"]))
-@pytest.mark.parametrize("resistance", few_of(RESISTANCES[::2], [800e3]))
-def test_set_and_compression_are_those_of_a_chain_of_lumped_masses(law, resistance):
-    system = pipe_pile(law)
-    # The cushion of the chain is elastic.
-    elastic = system.replace(contacts=[ri.Spring(CUSHION), system.contacts[1]])
+def lumped_pipe_pile(law, resistance):
+    """The pile of `pipe_pile` as a chain of masses, with an elastic cushion.
+
+    Half of the resistance, N, acts along the shaft.
+    """
     half = resistance / 2
-    chain = LumpedPile(
+    return LumpedPile(
         ram_mass=RAM.mass,
         ram_velocity=RAM.velocity,
         cushion=CUSHION,
@@ -68,12 +66,23 @@ def test_set_and_compression_are_those_of_a_chain_of_lumped_masses(law, resistan
         is_viscous=law == "viscous",
     )
 
-    (point,) = ri.bearing_graph(elastic, resistance).points
-    duration = 0.05 * 800e3 / resistance  # a weak soil stops the pile later
-    lumped = strike(chain, segments=300, duration=duration, step=2e-6)
 
-    assert point.set == pytest.approx(lumped.toe_set, rel=1e-3)
+@needs_compiler
+@pytest.mark.parametrize("law", few_of(["smith", "viscous"], ["smith"]))
+@pytest.mark.parametrize("resistance", few_of(RESISTANCES[::2], [800e3]))
+def test_set_and_compression_are_those_of_a_chain_of_lumped_masses(law, resistance):
+    chain = lumped_pipe_pile(law, resistance)
+    duration = 0.05 * 800e3 / resistance  # s; a weak soil stops the pile later
+    system = pipe_pile(law)
+    elastic_cushion = ri.Spring(CUSHION)
+    toe = system.contacts[1]
+    system = system.replace(contacts=[elastic_cushion, toe])
+
+    (point,) = ri.bearing_graph(system, resistance).points
+
+    lumped = strike(chain, segments=300, duration=duration, step=2e-6)
     largest_force = point.compression * AREA
+    assert point.set == pytest.approx(lumped.toe_set, rel=1e-3)
     assert largest_force == pytest.approx(lumped.largest_compression, rel=1e-2)
 
 
@@ -81,14 +90,18 @@ def test_set_and_compression_are_those_of_a_chain_of_lumped_masses(law, resistan
 @pytest.mark.parametrize("seed", few_of(range(8), [1]))
 def test_stated_errors_bound_those_against_a_fine_mesh(seed):
     rng = np.random.default_rng(seed)
-    system = pipe_pile(str(rng.choice(["smith", "viscous"])), HELMET)
+    law = str(rng.choice(["smith", "viscous"]))
+    system = pipe_pile(law, HELMET)
     if seed % 3 == 0:
         system = system.replace(gravity=9.81)
     resistance = float(rng.uniform(150e3, 1200e3))
     share = float(rng.uniform(0.0, 0.9))
 
-    (stated,) = ri.bearing_graph(system, resistance, shaft_share=share, cells=40).points
-    (fine,) = ri.bearing_graph(system, resistance, shaft_share=share, cells=160).points
+    coarse_graph = ri.bearing_graph(system, resistance, shaft_share=share, cells=40)
+    fine_graph = ri.bearing_graph(system, resistance, shaft_share=share, cells=160)
+
+    (stated,) = coarse_graph.points
+    (fine,) = fine_graph.points
 
     # Stated errors are relative to the stated values.
     set_error = abs(stated.set - fine.set)
@@ -100,23 +113,26 @@ def test_stated_errors_bound_those_against_a_fine_mesh(seed):
 
 
 def test_resistance_is_shared_at_constant_quake_and_the_pile_begins_unstrained():
-    # 10 kN/m along 5 m and 30 kN/m along the other 10 m: 350 kN in all.
-    soil = ri.Soil(ri.Steps([10e3, 30e3], [5.0]), QUAKE, mobilised=0.1)
+    per_length = ri.Steps([10e3, 30e3], [5.0])  # N/m; 350 kN along the 15 m
+    soil = ri.Soil(per_length, QUAKE, mobilised=0.1)
     system = pipe_pile("smith")
     ram, pile, wall = system.bodies
-    system = system.replace(bodies=[ram, pile.replace(shaft=soil, strain=1e-6), wall])
+    strained = pile.replace(shaft=soil, strain=1e-6)
+    system = system.replace(bodies=[ram, strained, wall])
     row = bearing.check_pile(system)
 
     shared = bearing.with_resistance(system, row, 1000e3, shaft_share=0.3)
 
-    shaft = shared.bodies[1].shaft
+    pile = shared.bodies[1]
+    shaft = pile.shaft
     toe = shared.contacts[1]
-    factor = 300e3 / 350e3
-    assert shaft.resistance.values == pytest.approx((10e3 * factor, 30e3 * factor))
+    factor = 0.3 * 1000e3 / 350e3
+    expected = (10e3 * factor, 30e3 * factor)
+    assert shaft.resistance.values == pytest.approx(expected)
     assert shaft.quake == QUAKE
     assert shaft.mobilised == 0.0
-    assert shared.bodies[1].strain == 0.0
-    assert toe.resistance == pytest.approx(700e3)
+    assert pile.strain == 0.0
+    assert toe.resistance == pytest.approx(0.7 * 1000e3)
     assert toe.quake == QUAKE
 
 
@@ -142,19 +158,22 @@ def test_the_order_of_the_resistances_and_the_workers_do_not_matter():
 
 def pile_with_weight():
     """A pile with a helmet, on which gravity acts."""
-    return pipe_pile("smith", HELMET, head=ri.Spring(2e9)).replace(gravity=9.81)
+    pile = pipe_pile("smith", HELMET, head=ri.Spring(2e9))
+    return pile.replace(gravity=9.81)
 
 
 def test_a_pile_with_weight_rests_before_the_blow_and_is_compressed_a_little_more():
     system = pile_with_weight()
     without_weight = system.replace(gravity=0.0)
 
-    (point,) = ri.bearing_graph(system, 600e3, cells=8, until=0.02).points
-    (other,) = ri.bearing_graph(without_weight, 600e3, cells=8, until=0.02).points
+    graph = ri.bearing_graph(system, 600e3, cells=8, until=0.02)
+    graph_without = ri.bearing_graph(without_weight, 600e3, cells=8, until=0.02)
 
+    compression = graph.points[0].compression  # Pa
+    compression_without = graph_without.points[0].compression
     stress_of_helmet = HELMET.mass * 9.81 / AREA
-    assert point.compression > other.compression + stress_of_helmet
-    assert point.compression == pytest.approx(other.compression, rel=0.02)
+    assert compression > compression_without + stress_of_helmet
+    assert compression == pytest.approx(compression_without, rel=0.02)
 
 
 def test_a_resistance_that_does_not_bear_the_weight_is_refused():
@@ -175,8 +194,8 @@ def test_a_graph_is_written_as_a_table_once(short_graph, tmp_path):
     short_graph.to_csv(path)
 
     with path.open() as file:
-        first, second = csv.DictReader(file)
-    for row, point in zip((first, second), short_graph.points, strict=True):
+        rows = list(csv.DictReader(file))
+    for row, point in zip(rows, short_graph.points, strict=True):
         assert float(row["resistance"]) == point.resistance
         assert float(row["set"]) == point.set
         assert float(row["compression_t"]) == point.compression_t
@@ -226,9 +245,11 @@ def test_wrong_arguments_are_refused(arguments, message):
 
 def test_a_toe_or_a_shaft_without_soil_is_refused():
     system = pipe_pile("smith")
+    cushion, _ = system.contacts
+    without_toe = system.replace(contacts=[cushion, ri.Yielding(1e8, 1e5)])
     ram, pile, wall = system.bodies
-    without_toe = system.replace(contacts=[system.contacts[0], ri.Yielding(1e8, 1e5)])
-    bare = system.replace(bodies=[ram, pile.replace(shaft=None), wall])
+    bare_pile = pile.replace(shaft=None)
+    bare = system.replace(bodies=[ram, bare_pile, wall])
 
     with pytest.raises(ri.InvalidModel, match=r"contacts.1: must be SmithToe"):
         ri.bearing_graph(without_toe, 1e5)
@@ -244,12 +265,14 @@ def test_the_figure_shows_what_the_table_says():
     picture = ri.plot.bearing(graph)
 
     # The figure sorts by resistance; the table keeps the order of the call.
+    expected_counts = graph["blow_count"][::-1]
+    expected_stresses = graph["compression"][::-1] / 1e6  # MPa
     resistances, blow_counts = picture.blow_count.get_data()
     _, stresses = picture.compression.get_data()
     assert picture.stress_ax.get_xlabel() == "ultimate resistance (kN)"
     assert resistances.tolist() == [300.0, 500.0]
-    assert blow_counts.tolist() == graph["blow_count"][::-1].tolist()
-    assert stresses == pytest.approx(graph["compression"][::-1] / 1e6)  # MPa
+    assert blow_counts.tolist() == expected_counts.tolist()
+    assert stresses == pytest.approx(expected_stresses)
     # No blow is over after 20 ms: each is marked.
     marked = picture.unfinished.get_xdata()
     assert marked.tolist() == [300.0, 500.0]

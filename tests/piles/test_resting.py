@@ -18,21 +18,20 @@ def largest_velocity(system, body, cells):
     """Largest velocity of a rod and of the body before it in a short run, m/s."""
     run = ri.solve(system, until=UNTIL, cells=cells)
     t = np.linspace(0.0, UNTIL, 50)
-    x = np.linspace(0.0, float(system.bodies[body].length), 16)[:, None]
-    velocity_of_rod = run.velocity(body, x, t)
-    velocity_before_rod = run.velocity(body - 1, 0.0, t)
-    return max(np.abs(velocity_of_rod).max(), np.abs(velocity_before_rod).max())
+    length = float(system.bodies[body].length)
+    x = np.linspace(0.0, length, 16)[:, None]
+    speed_of_rod = np.abs(run.velocity(body, x, t))
+    speed_before_rod = np.abs(run.velocity(body - 1, 0.0, t))
+    return max(speed_of_rod.max(), speed_before_rod.max())
 
 
 def pile_with_helmet(contact):
     """A helmet on a pile, and a ram above it that is thrown up."""
     ram = ri.RigidMass(4500.0, velocity=-1.0)
-    return ri.System(
-        [ram, HELMET, PILE, ri.Wall()],
-        gaps=[0.1, 0.0, 0.0],
-        contacts=[ri.Cushion(5e8, restitution=0.8), contact, TOE],
-        gravity=GRAVITY,
-    )
+    cushion = ri.Cushion(5e8, restitution=0.8)
+    bodies = [ram, HELMET, PILE, ri.Wall()]
+    gaps = [0.1, 0.0, 0.0]
+    return ri.System(bodies, gaps, [cushion, contact, TOE], gravity=GRAVITY)
 
 
 @pytest.mark.parametrize(
@@ -52,9 +51,11 @@ def test_a_pile_stays_at_rest_under_its_weight_and_that_of_a_helmet(contact, bou
     assert largest_velocity(resting, 2, cells=40) < bound
     assert largest_velocity(system, 2, cells=40) > 1e-2
     weight = (HELMET.mass + PILE.mass) * GRAVITY
-    profile = ri.solve(resting, until=1e-4, cells=40).soil(2, 0.0)
+    run = ri.solve(resting, until=1e-4, cells=40)
+    profile = run.soil(2, 0.0)
     on_shaft = float(profile.resistance @ profile.mobilised)  # N, over all nodes
-    below_toe = -resting.gaps[2] * TOE.stiffness  # N, of the overlap at the toe
+    overlap_at_toe = -resting.gaps[2]
+    below_toe = overlap_at_toe * TOE.stiffness
     assert on_shaft + below_toe == pytest.approx(weight, rel=1e-6)
 
 
@@ -66,18 +67,18 @@ def test_a_finer_grid_moves_a_resting_pile_by_little():
 
 
 def test_bonded_piles_with_a_joint_rest_on_the_compressed_joint():
-    half = PILE.replace(length=7.5, shaft=SOIL.replace(resistance=150e3))
-    bare = ri.Rod(2.0, area=9.4e-3, material=STEEL)
-    system = ri.System(
-        [HELMET, half, half, bare, ri.Wall()],
-        contacts=[ri.Spring(1e9), ri.Bonded(), ri.Joint(1e9), TOE],
-        gravity=GRAVITY,
-    )
+    half_soil = SOIL.replace(resistance=150e3)
+    half = PILE.replace(length=7.5, shaft=half_soil)
+    bare = PILE.replace(length=2.0, shaft=None)
+    bodies = [HELMET, half, half, bare, ri.Wall()]
+    contacts = [ri.Spring(1e9), ri.Bonded(), ri.Joint(1e9), TOE]
+    system = ri.System(bodies, contacts=contacts, gravity=GRAVITY)
 
     resting = ri.at_rest(system, cells=30)
 
+    joint = resting.contacts[2]
     assert largest_velocity(resting, 1, cells=30) < 1e-9
-    assert resting.contacts[2].stretch < 0
+    assert joint.stretch < 0
 
 
 def test_what_is_at_rest_without_weight_stays_as_it_is():
@@ -120,17 +121,20 @@ def test_a_string_on_a_fixed_end_rests_with_the_strain_of_its_weight(is_hanging)
 
     body = bodies.index(pipe)
     strain = np.array(resting.bodies[body].strain.values)  # [cell]
-    length_beyond = pipe.length * (1 - (np.arange(60) + 0.5) / 60)  # m, [cell]
+    middles = (np.arange(60) + 0.5) / 60 * pipe.length  # x [cell]
+    length_beyond = pipe.length - middles
     stress_of_collar = collar.mass * GRAVITY / 3.4e-3
     stress = stress_of_collar + STEEL.density * GRAVITY * length_beyond
     if not is_hanging:
         # The fixed end is on the right.
         stress = -stress[::-1]
-    assert strain == pytest.approx(stress / STEEL.youngs_modulus, rel=1e-9)
+    expected = stress / STEEL.youngs_modulus
+    assert strain == pytest.approx(expected, rel=1e-9)
     run = ri.solve(resting, 1.0, "finite-difference", cells=60)
     t = np.linspace(0.0, 1.0, 40)
-    x = np.linspace(0.0, 3000.0, 7)[:, None]
-    assert np.abs(run.velocity(body, x, t)).max() < 1e-9
+    x = np.linspace(0.0, pipe.length, 7)[:, None]
+    velocity = run.velocity(body, x, t)
+    assert np.abs(velocity).max() < 1e-9
 
 
 REFUSED = [
@@ -172,10 +176,11 @@ def test_the_profile_of_the_soil_tells_resistance_displacement_and_what_yielded(
 
     displacement = run.displacement(0, profile.x, UNTIL)
     elastic = profile.displacement - profile.plastic_set
+    expected_elastic = profile.mobilised * SOIL.quake
     assert profile.resistance.sum() == pytest.approx(SOIL.resistance)
     assert profile.displacement == pytest.approx(displacement, abs=1e-15)
     assert np.all(profile.plastic_set > 0)
-    assert elastic == pytest.approx(profile.mobilised * SOIL.quake, abs=1e-15)
+    assert elastic == pytest.approx(expected_elastic, abs=1e-15)
 
 
 def test_a_rod_without_soil_has_no_profile_of_it():
