@@ -21,16 +21,20 @@ ENDS = [
 
 def test_ends_are_free_unless_something_is_said():
     system = ri.System([ROD, ROD])
+    said = ri.System([ROD, ROD], ends=[ri.Free(), ri.Free()])
+    description = system.to_dict()
     assert system.ends == (ri.Free(), ri.Free())
-    assert ri.System([ROD, ROD], ends=[ri.Free(), ri.Free()]) == system
-    assert set(system.to_dict()) == {"bodies", "contacts"}
+    assert said == system
+    assert set(description) == {"bodies", "contacts"}  # and no ends
 
 
 @pytest.mark.parametrize("end", ENDS, ids=repr)
 def test_a_rod_takes_any_end_which_is_kept_in_its_description(end):
-    with_free_ends = ri.System([ROD, ri.Wall()])
-    system = ri.System([ROD, ri.Wall()], ends=(end, ri.Free()))
-    assert ri.System.from_dict(system.to_dict()) == system
+    bodies = [ROD, ri.Wall()]
+    with_free_ends = ri.System(bodies)
+    system = ri.System(bodies, ends=(end, ri.Free()))
+    restored = ri.System.from_dict(system.to_dict())
+    assert restored == system
     assert system != with_free_ends
     assert system.digest != with_free_ends.digest
 
@@ -39,17 +43,20 @@ def test_a_rod_takes_any_end_which_is_kept_in_its_description(end):
     "end", [ri.Free(), ri.Pushed(1.0), ri.Pushed(ri.Steps([1.0, 2.0], [1.0]))]
 )
 def test_a_mass_may_be_free_or_pushed(end):
-    system = ri.System([MASS, ROD], ends=(end, ri.Fixed()))
-    assert system.ends == (end, ri.Fixed())
+    ends = (end, ri.Fixed())
+    system = ri.System([MASS, ROD], ends=ends)
+    assert system.ends == ends
+
+
+def row_with_right_end(last_body, end):
+    """A rod and a body, beside which is this end."""
+    return ri.System([ROD, last_body], ends=(ri.Free(), end))
 
 
 @pytest.mark.parametrize("end", ENDS, ids=repr)
 def test_a_wall_has_no_end(end):
     message = "has no place beyond a wall"
-    assert_told(
-        lambda: ri.System([ROD, ri.Wall()], ends=(ri.Free(), end)),
-        {"ends.right": message},
-    )
+    assert_told(lambda: row_with_right_end(ri.Wall(), end), {"ends.right": message})
 
 
 @pytest.mark.parametrize(
@@ -57,9 +64,7 @@ def test_a_wall_has_no_end(end):
 )
 def test_a_mass_takes_no_end_but_a_push(end):
     message = "put a Rod there, or a bonded Wall"
-    assert_told(
-        lambda: ri.System([ROD, MASS], ends=(ri.Free(), end)), {"ends.right": message}
-    )
+    assert_told(lambda: row_with_right_end(MASS, end), {"ends.right": message})
 
 
 @pytest.mark.parametrize(
@@ -72,14 +77,19 @@ def test_ends_are_two(ends):
 def test_numbers_of_drives_make_families():
     forces = np.array([1.0, 2.0])
     times = np.array([[1e-3], [2e-3]])
-    push = ri.Pushed(ri.Steps([forces, 0.0], [times]))
-    family = ri.System([ROD], ends=(ri.Moved([[1.0]]), push))
-    assert family.shape == (2, 2)
+    moved = ri.Moved([[1.0]])
+    pushed = ri.Pushed(ri.Steps([forces, 0.0], [times]))
+
+    family = ri.System([ROD], ends=(moved, pushed))
+
+    assert family.shape == (2, 2)  # [time, force]
     assert list(family.parameters) == [
         "ends.left.value",
         "ends.right.value.values.0",
         "ends.right.value.at.0",
     ]
-    pushed = ri.Pushed(ri.Steps([1.0, 0.0], [2e-3]))
-    assert family[1, 0].ends == (ri.Moved(1.0), pushed)
-    assert ri.System.from_dict(family.to_dict()) == family
+    first_force_until_second_time = ri.Pushed(ri.Steps([1.0, 0.0], [2e-3]))
+    member = family[1, 0]
+    assert member.ends == (ri.Moved(1.0), first_force_until_second_time)
+    restored = ri.System.from_dict(family.to_dict())
+    assert restored == family

@@ -36,9 +36,12 @@ LAWS = [
 @pytest.mark.parametrize("law", LAWS, ids=repr)
 def test_a_law_survives_its_description(law):
     described = law.to_dict()
-    assert CONTACT_LAWS[described["law"]] is type(law)
-    assert restored(CONTACT_LAWS, "law", described) == law
-    assert eval(repr(law), vars(ri)) == law
+    kind = CONTACT_LAWS[described["law"]]
+    from_description = restored(CONTACT_LAWS, "law", described)
+    from_text = eval(repr(law), vars(ri))
+    assert kind is type(law)
+    assert from_description == law
+    assert from_text == law
 
 
 def test_every_law_has_its_name_and_an_example_here():
@@ -148,10 +151,11 @@ def test_a_table_has_rising_points(compression, force, messages):
 
 
 def test_a_table_unloads_no_softer_than_it_loads():
+    compression = [1.0, 2.0]
+    force = [1.0, 3.0]
     message = "=must be at least that of the steepest line, 2.0, got 1.9"
     assert_told(
-        lambda: ri.Tabulated([1.0, 2.0], [1.0, 3.0], unloading=1.9),
-        {"unloading": message},
+        lambda: ri.Tabulated(compression, force, unloading=1.9), {"unloading": message}
     )
 
 
@@ -203,13 +207,22 @@ def test_mistakes_of_spheres_are_named(faces, messages):
     assert_told(lambda: ri.Hertz.from_radii(*faces), messages)
 
 
-def test_dampings_may_be_0_and_hardening_and_unloading_be_left_out():
-    assert ri.SpringDashpot(1.0, 0.0).damping == 0.0
-    assert ri.HuntCrossley(1.0, 0.0).damping == 0.0
-    assert ri.Yielding(1e9, 1e3).hardening == 0.0
-    table = ri.Tabulated([1e-4, 3e-4], [1e3, 5e3])
-    assert table.stiffness == max(table.slopes)  # it unloads along its steepest line
-    assert table.stiffness == pytest.approx(2e7)
+@pytest.mark.parametrize("law", [ri.SpringDashpot, ri.HuntCrossley])
+def test_a_damping_may_be_0(law):
+    without_damping = law(stiffness=1.0, damping=0.0)
+    assert without_damping.damping == 0.0
+
+
+def test_what_yields_does_not_harden_unless_something_is_said():
+    law = ri.Yielding(stiffness=1e9, yield_force=1e3)
+    assert law.hardening == 0.0
+
+
+def test_a_table_unloads_along_its_steepest_line_unless_something_is_said():
+    table = ri.Tabulated(compression=[1e-4, 3e-4], force=[1e3, 5e3])
+    steepest = (5e3 - 1e3) / (3e-4 - 1e-4)
+    assert table.stiffness == max(table.slopes)
+    assert table.stiffness == pytest.approx(steepest)
 
 
 # Hertz contact of spheres
@@ -222,13 +235,16 @@ def test_the_force_between_a_sphere_and_a_flat_is_that_of_its_contact_circle():
     """
     R = 0.02
     a = 1e-4
-    compliance = (1 - 0.35**2) / 100.6e9 + (1 - 0.29**2) / 200e9  # 1/E*: brass, steel
-    force = 4 / (3 * compliance) * a**3 / R
+    of_brass = (1 - 0.35**2) / 100.6e9
+    of_steel = (1 - 0.29**2) / 200e9
+    effective_modulus = 1 / (of_brass + of_steel)  # E*
+    expected = 4 * effective_modulus * a**3 / (3 * R)
     overlap = a * a / R
 
     law = ri.Hertz.from_radii(INF, R, ri.materials.brass, STEEL)
 
-    assert law.stiffness * overlap**1.5 == pytest.approx(force, rel=1e-14)
+    force = law.stiffness * overlap**1.5
+    assert force == pytest.approx(expected, rel=1e-14)
 
 
 def test_a_rigid_face_makes_a_contact_of_like_faces_twice_as_stiff():
@@ -243,11 +259,12 @@ def test_a_rigid_face_makes_a_contact_of_like_faces_twice_as_stiff():
 
 
 def test_radii_make_a_family():
-    family = ri.Hertz.from_radii(np.array([0.01, INF]), 0.02, STEEL, STEEL)
+    left_radii = np.array([0.01, INF])
+    family = ri.Hertz.from_radii(left_radii, 0.02, STEEL, STEEL)
     sphere = ri.Hertz.from_radii(0.01, 0.02, STEEL, STEEL)
     flat = ri.Hertz.from_radii(INF, 0.02, STEEL, STEEL)
     alone = [sphere.stiffness, flat.stiffness]
-    assert family.stiffness.tolist() == pytest.approx(alone, rel=1e-15)
+    assert family.stiffness == pytest.approx(alone, rel=1e-15)
 
 
 def test_numbers_of_a_material_make_a_family():
@@ -266,15 +283,18 @@ def mean_hertz_force(x0, x1):
     """
     r = math.sqrt(x0)
     s = math.sqrt(x1)
-    powers = sum(r ** (4 - n) * s**n for n in range(5))
+    powers = sum(r ** (4 - n) * s**n for n in range(5))  # (s^5 - r^5)/(s - r)
     mean = 6 * powers / (5 * (r + s))
-    slope = 3 * s**3 + 6 * r * s * s + 4 * s * r * r + 2 * r**3
-    return mean, 3 * slope / (5 * (r + s) ** 2)
+    cubic = 3 * s**3 + 6 * r * s * s + 4 * s * r * r + 2 * r**3
+    slope = 3 * cubic / (5 * (r + s) ** 2)
+    return mean, slope
 
 
 def mean_spring_force(x0, x1):
     """Mean of 3 x from x0 to x1, and its derivative by x1."""
-    return 3 * (x0 + x1) / 2, 1.5
+    mean = 3 * (x0 + x1) / 2
+    slope = 3 / 2
+    return mean, slope
 
 
 # A force that is a power of the indentation
@@ -298,29 +318,48 @@ def test_the_mean_force_of_a_power_is_accurate_where_indentations_are_near(
             assert slope == pytest.approx(exact_slope, rel=1e-9)
 
 
-@pytest.mark.parametrize("exponent", [1.01, 1.5, 2.0, 2.7, 6.0])
-def test_mean_force_times_change_is_the_work_of_a_power_also_across_a_gap(exponent):
-    """And the slope of the mean force is its derivative by the later overlap."""
-    rng = np.random.default_rng(2)
+def power_link(stiffness, exponent):
+    """A link of a grid with the law F = k x^n."""
     (link,) = record_lists.blank(1, LINK)
     link.law = Law.POWER
-    link.stiffness = 5.0
+    link.stiffness = stiffness
     link.exponent = exponent
+    return link
+
+
+def random_overlaps(rng):
+    """200 pairs of overlaps before and after a step, negative where there is a gap."""
+    return rng.uniform(-1, 2, (200, 2)).tolist()
+
+
+@pytest.mark.parametrize("exponent", [1.01, 1.5, 2.0, 2.7, 6.0])
+def test_mean_force_times_change_is_the_work_of_a_power_also_across_a_gap(exponent):
+    rng = np.random.default_rng(2)
+    link = power_link(stiffness=5.0, exponent=exponent)
 
     def energy(x):
-        return 5.0 * max(x, 0.0) ** (exponent + 1) / (exponent + 1)
+        overlap = max(x, 0.0)
+        return 5.0 * overlap ** (exponent + 1) / (exponent + 1)
 
-    def mean_force(x0, x1):
+    for x0, x1 in random_overlaps(rng):
         mean, _ = contact_laws.mean_force(link, x0, x1)
-        return mean
-
-    pairs = rng.uniform(-1, 2, (200, 2))  # overlaps, negative where there is a gap
-    for x0, x1 in pairs.tolist():
-        mean, slope = contact_laws.mean_force(link, x0, x1)
         work = energy(x1) - energy(x0)
-        assert mean * (x1 - x0) == pytest.approx(work, rel=1e-12, abs=1e-13)
-        change = mean_force(x0, x1 + 1e-6) - mean_force(x0, x1 - 1e-6)
-        assert slope == pytest.approx(change / 2e-6, rel=1e-4, abs=1e-3)
+        change = x1 - x0
+        assert mean * change == pytest.approx(work, rel=1e-12, abs=1e-13)
+
+
+@pytest.mark.parametrize("exponent", [1.01, 1.5, 2.0, 2.7, 6.0])
+def test_the_slope_of_the_mean_force_is_its_derivative_by_the_later_overlap(exponent):
+    """It is compared with a difference over 2e-6."""
+    rng = np.random.default_rng(2)
+    link = power_link(stiffness=5.0, exponent=exponent)
+    step = 1e-6
+    for x0, x1 in random_overlaps(rng):
+        _, slope = contact_laws.mean_force(link, x0, x1)
+        later_mean, _ = contact_laws.mean_force(link, x0, x1 + step)
+        earlier_mean, _ = contact_laws.mean_force(link, x0, x1 - step)
+        quotient = (later_mean - earlier_mean) / (2 * step)
+        assert slope == pytest.approx(quotient, rel=1e-4, abs=1e-3)
 
 
 # What yields
@@ -365,11 +404,11 @@ def test_the_force_of_a_step_is_the_mean_force_of_any_yielding_table():
         F, x1, _ = ck.solve_link(link, closing)
 
         round_off = 1e-11 * (abs(x1) + abs(x0) + abs(closing))
-        expected = x0 + closing - link.self_mobility * F
-        assert x1 == pytest.approx(expected, abs=round_off), seed
+        expected_overlap = x0 + closing - link.self_mobility * F
+        assert x1 == pytest.approx(expected_overlap, abs=round_off), seed
         mean, _ = contact_laws.mean_force(link, x0, x1)
-        error = round_off / link.self_mobility
-        assert pytest.approx(mean, rel=1e-6, abs=error) == F, seed
+        error_of_force = round_off / link.self_mobility
+        assert pytest.approx(mean, rel=1e-6, abs=error_of_force) == F, seed
 
 
 def test_a_table_hardened_by_a_peak_force_is_elastic_up_to_it_and_then_goes_on():
@@ -378,12 +417,12 @@ def test_a_table_hardened_by_a_peak_force_is_elastic_up_to_it_and_then_goes_on()
 
     # A force of 1.25 is halfway along the second line, from (1, 1) to (2, 1.5): at a
     # compression of 1.5, 0.5 before the next point.
-    hardened = law.hardened(1.25)
-    elastic = 1.25 / 4  # compression by that force along the unloading line
-    np.testing.assert_allclose(
-        hardened.compression, [elastic, elastic + 0.5, elastic + 1.5]
-    )
-    assert hardened.force == (1.25, 1.5, 3.5)
+    peak_force = 1.25
+    hardened = law.hardened(peak_force)
+    elastic = peak_force / 4.0  # compression along the unloading line
+    compression = [elastic, elastic + 0.5, elastic + 1.5]
+    np.testing.assert_allclose(hardened.compression, compression)
+    assert hardened.force == (peak_force, 1.5, 3.5)
     assert hardened.hardened(1.0) == hardened
 
     # Beyond the last point, (3, 3.5), the last line goes on, with its slope of 2.
@@ -418,7 +457,9 @@ def test_members_of_a_yielding_family_are_those_alone_and_yield(yielding_family)
 def test_a_case_file_keeps_what_yields(yielding_family):
     for i in range(2):
         member = yielding_family[i]
-        assert ri.parse_case(ri.format_case(member)).system == member
+        text = ri.format_case(member)
+        case = ri.parse_case(text)
+        assert case.system == member
 
 
 def test_points_of_a_table_may_have_units_in_a_case_file():
@@ -428,12 +469,13 @@ def test_points_of_a_table_may_have_units_in_a_case_file():
 
     bare = ri.format_case(system)
     text = bare.replace("[1e-05, 0.0001]", '["10 um", "0.1 mm"]')
+    case = ri.parse_case(text)
 
     assert "10 um" in text
-    assert ri.parse_case(text).system == system
-    wrong = text.replace("2000.0]", '"2 mm"]')
+    assert case.system == system
+    length_for_force = text.replace("2000.0]", '"2 mm"]')
     with pytest.raises(ValueError, match=r"contacts\.0\.force\.1"):
-        ri.parse_case(wrong)
+        ri.parse_case(length_for_force)
 
 
 # Contacts that begin pressed ----------------------------------------------------------
@@ -455,24 +497,24 @@ def pressed_cushion(law, gap):
     ],
 )
 def test_an_overlap_beyond_that_of_yielding_is_refused(law, least_gap):
-    with pytest.raises(
-        ri.InvalidModel, match=f"^gaps.0: must be {least_gap} m or more"
-    ):
-        pressed_cushion(law, -1e-2)
+    message = f"^gaps.0: must be {least_gap} m or more"
+    with pytest.raises(ri.InvalidModel, match=message):
+        pressed_cushion(law, gap=-1e-2)
 
 
 @pytest.mark.parametrize("excess", [0.0, 1e-10])
 def test_a_cushion_that_begins_pressed_at_rest_pushes_alike_by_both_methods(excess):
     """Round-off may put its overlap just beyond that at which it yields."""
-    law = ri.Cushion(1e9, restitution=0.8).hardened(1e4)
-    system = pressed_cushion(law, -1e4 / law.stiffness * (1 + excess))
+    yield_force = 1e4  # N
+    law = ri.Cushion(1e9, restitution=0.8).hardened(yield_force)
+    overlap = yield_force / law.stiffness
+    system = pressed_cushion(law, gap=-overlap * (1 + excess))
+    until = 1e-3  # s
 
-    by_waves = ri.solve(system, until=1e-3, method="characteristics").outcome
-    on_grid = ri.solve(
-        system, until=1e-3, method="finite-difference", cells=200
-    ).outcome
+    by_waves = ri.solve(system, until, "characteristics").outcome
+    on_grid = ri.solve(system, until, "finite-difference", cells=200).outcome
 
-    assert on_grid.velocities_after == pytest.approx(
-        by_waves.velocities_after, rel=5e-3
-    )
-    assert by_waves.contacts[0].peak_force == pytest.approx(1e4, rel=1e-6)
+    expected = by_waves.velocities_after
+    peak_force = by_waves.contacts[0].peak_force
+    assert on_grid.velocities_after == pytest.approx(expected, rel=5e-3)
+    assert peak_force == pytest.approx(yield_force, rel=1e-6)

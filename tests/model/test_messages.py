@@ -6,11 +6,15 @@ import rodimpact as ri
 
 
 def test_no_control_character_of_a_name_reaches_a_terminal():
-    """Names may have any characters, for files keep them."""
-    red = ri.Material("\x1b[31mred\u202e", youngs_modulus=2e11, density=8000)
+    """Names may have any characters, for files keep them. This one turns a terminal red
+    and its text to the left.
+    """
+    name = "\x1b[31mred\u202e"
+    red = ri.Material(name, youngs_modulus=2e11, density=8000)
     rod = ri.Rod(0.2, area=1e-4, material=red, velocity=1.0)
+    rods = rod.replace(length=[0.1, 0.2])
     system = ri.System([rod, ri.Wall()])
-    family = ri.System([rod.replace(length=[0.1, 0.2]), ri.Wall()])
+    family = ri.System([rods, ri.Wall()])
     solution = ri.solve(system)
     shown = [
         red,
@@ -25,19 +29,28 @@ def test_no_control_character_of_a_name_reaches_a_terminal():
     ]
     for value in shown:
         for text in (repr(value), str(value)):
-            assert text.replace("\n", "").isprintable()
+            in_one_line = text.replace("\n", "")
+            assert in_one_line.isprintable()
 
 
-def test_messages_show_a_long_path_in_short():
-    path = "long/" * 2000 + "x.toml"
+LONG_PATH = "long/" * 2000 + "x.toml"
+
+
+def test_the_message_of_a_long_path_that_cannot_be_read_is_short():
     with pytest.raises(OSError, match=r"long\.\.\.") as refused:
-        ri.load(path)
-    assert len(str(refused.value)) < 400
-    system = ri.System([ri.RigidMass(1.0), ri.Wall()], contacts=[ri.Hertz(1e9)])
-    solution = ri.solve(system, 1e-6)
+        ri.load(LONG_PATH)
+    message = str(refused.value)
+    assert len(message) < 400
+
+
+def test_the_message_of_a_long_path_that_cannot_be_written_is_short():
+    bodies = [ri.RigidMass(1.0), ri.Wall()]
+    system = ri.System(bodies, contacts=[ri.Hertz(1e9)])
+    solution = ri.solve(system, until=1e-6)
     with pytest.raises(OSError, match="cannot write") as refused:
-        solution.save(path)
-    assert len(str(refused.value)) < 400
+        solution.save(LONG_PATH)
+    message = str(refused.value)
+    assert len(message) < 400
 
 
 @pytest.mark.parametrize("problems", [None, [1], [("length",)], "ab", [("a", 1)]])

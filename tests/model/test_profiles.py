@@ -52,19 +52,27 @@ def test_a_number_is_a_profile():
 
 def test_values_of_samples_make_no_family_and_are_shared_by_members():
     velocity = ri.Samples([0.0, 1.0, 2.0])
-    system = ri.System([rod(velocity=velocity, strain=np.zeros(5)), ri.Wall()])
+    strains = np.zeros(5)  # of five members
+    rods = rod(velocity=velocity, strain=strains)
+
+    system = ri.System([rods, ri.Wall()])
+
     assert system.shape == (5,)
     assert list(system.parameters) == ["bodies.0.strain"]
-    values = system.bodies[0].velocity.values
-    assert system[2].bodies[0].velocity.values is values
-    assert ri.System.from_dict(system.to_dict()) == system
+    rod_of_family = system.bodies[0]
+    rod_of_member = system[2].bodies[0]
+    assert rod_of_member.velocity.values is rod_of_family.velocity.values
+    restored = ri.System.from_dict(system.to_dict())
+    assert restored == system
 
 
 def test_the_step_between_samples_may_be_a_family():
-    drive = ri.Pushed(ri.Samples([0.0, 1.0], step=[1e-6, 2e-6]))
-    row = ri.System([rod()], ends=(drive, ri.Free()))
+    forces = ri.Samples([0.0, 1.0], step=[1e-6, 2e-6])
+    row = ri.System([rod()], ends=(ri.Pushed(forces), ri.Free()))
+    forces_of_second = ri.Samples([0.0, 1.0], step=2e-6)
+    left_end_of_second = row[1].ends[0]
     assert list(row.parameters) == ["ends.left.value.step"]
-    assert row[1].ends[0] == ri.Pushed(ri.Samples([0.0, 1.0], step=2e-6))
+    assert left_end_of_second == ri.Pushed(forces_of_second)
 
 
 # Along a rod
@@ -79,6 +87,7 @@ def sine_as_list(x):
 
 
 def sine_of_arrays_only(x):
+    """An array; a single number is refused, as it is no sequence."""
     return np.array([math.sin(value) for value in x])
 
 
@@ -87,22 +96,26 @@ def sine_of_arrays_only(x):
 )
 def test_functions_of_arrays_and_of_numbers_are_sampled_alike(function):
     samples = rod(velocity=function).velocity
+    places = np.linspace(0, 2.0, SAMPLES_ALONG_ROD)
+    expected = np.sin(places)
     assert isinstance(samples, ri.Samples)
     assert samples.step is None
-    places = np.linspace(0, 2.0, SAMPLES_ALONG_ROD)
-    assert samples.values == pytest.approx(np.sin(places), rel=1e-15)
+    assert samples.values == pytest.approx(expected, rel=1e-15)
 
 
 def test_a_constant_function_makes_equal_samples():
-    strain = rod(strain=lambda x: 1e-3).strain
-    assert strain == ri.Samples(np.full(SAMPLES_ALONG_ROD, 1e-3))
+    constant = 1e-3
+    strain = rod(strain=lambda x: constant).strain
+    values = np.full(SAMPLES_ALONG_ROD, constant)
+    assert strain == ri.Samples(values)
 
 
 def test_a_function_with_a_branch_is_sampled_place_by_place():
     """A comparison of a whole array would have no truth."""
     strain = rod(strain=lambda x: 1 if x < 1.0 else 0).strain
-    first_half = [1.0] * (SAMPLES_ALONG_ROD // 2)
-    second_half = [0.0] * (SAMPLES_ALONG_ROD // 2 + 1)
+    half = SAMPLES_ALONG_ROD // 2
+    first_half = [1.0] * half
+    second_half = [0.0] * (half + 1)  # with the sample in the middle
     assert strain.values.tolist() == first_half + second_half
 
 
@@ -112,9 +125,11 @@ def test_a_function_with_a_branch_is_sampled_place_by_place():
 
 @pytest.mark.parametrize("drive", [ri.Pushed, ri.Moved])
 def test_a_function_of_time_is_sampled(drive):
-    samples = drive(lambda t: 3 * t, duration=2e-3).value
-    assert samples.step == 2e-3 / (SAMPLES_IN_TIME - 1)
-    expected = np.linspace(0, 6e-3, SAMPLES_IN_TIME)
+    duration = 2e-3  # s
+    samples = drive(lambda t: 3 * t, duration=duration).value
+    last_value = 3 * duration
+    expected = np.linspace(0, last_value, SAMPLES_IN_TIME)
+    assert samples.step == duration / (SAMPLES_IN_TIME - 1)
     assert samples.values == pytest.approx(expected, rel=1e-14)
 
 
@@ -138,13 +153,12 @@ def test_samples_are_a_list_of_two_numbers_or_more(values):
 
 
 def test_numbers_of_samples_are_finite_and_their_step_positive():
-    assert_told(
-        lambda: ri.Samples([1.0, math.nan, math.inf], step=0.0),
-        {
-            "values[1]": "=must be a finite number, got nan",
-            "step": "positive number of seconds",
-        },
-    )
+    values = [1.0, math.nan, math.inf]
+    messages = {
+        "values[1]": "=must be a finite number, got nan",
+        "step": "positive number of seconds",
+    }
+    assert_told(lambda: ri.Samples(values, step=0.0), messages)
 
 
 # Mistakes
@@ -152,6 +166,7 @@ def test_numbers_of_samples_are_finite_and_their_step_positive():
 
 
 def infinite_at_the_end(x):
+    """Finite but at the end of a rod of 2 m."""
     return math.inf if x > 1.999 else 0.0
 
 
@@ -258,16 +273,28 @@ def test_the_error_of_a_scaled_profile_is_scaled_too():
     samples = ri.Samples([1.0, 2.0], error=0.25)
     polynomials = ri.Polynomials([[1.0, 2.0]], error=0.5)
 
-    assert scaled(samples, -2.0) == ri.Samples([-2.0, -4.0], error=0.5)
-    assert scaled(polynomials, 3.0) == ri.Polynomials([[3.0, 6.0]], error=1.5)
-    assert scaled(ri.Steps([1.0, 2.0], [0.5]), 3.0) == ri.Steps([3.0, 6.0], [0.5])
+    scaled_samples = scaled(samples, -2.0)
+    scaled_polynomials = scaled(polynomials, 3.0)
+
+    assert scaled_samples == ri.Samples([-2.0, -4.0], error=0.5)
+    assert scaled_polynomials == ri.Polynomials([[3.0, 6.0]], error=1.5)
+
+
+def test_scaled_steps_keep_their_places():
+    steps = ri.Steps([1.0, 2.0], [0.5])
+    assert scaled(steps, 3.0) == ri.Steps([3.0, 6.0], [0.5])
+
+
+def test_a_number_is_scaled_as_a_profile():
     assert scaled(1.5, 2.0) == 3.0
 
 
 def test_mirrors_turn_tapers():
-    tapered = ri.System([rod(area=ri.Samples([1.0, 2.0, 4.0]))])
+    area = ri.Samples([1.0, 2.0, 4.0])
+    tapered = ri.System([rod(area=area)])
     image = tapered.mirrored().bodies[0]
-    assert image.segments[0].area == ri.Samples([4.0, 2.0, 1.0])
+    (segment,) = image.segments
+    assert segment.area == ri.Samples([4.0, 2.0, 1.0])
 
 
 # Between places
@@ -280,7 +307,8 @@ def integral_of_steps(steps, start, end):
     total = 0.0
     for a, b in pairwise([start, *jumps, end]):
         jumps_before = [x for x in steps.at if x <= a]
-        total += (b - a) * steps.values[len(jumps_before)]
+        value = steps.values[len(jumps_before)]
+        total += value * (b - a)
     return total
 
 
@@ -296,7 +324,8 @@ def integral_of_samples(samples, start, end, length):
     knots = width * np.arange(n + 1)
     inside = [x for x in knots if start < x < end]
     x = np.array([start, *inside, end])
-    return np.trapezoid(np.interp(x, knots, samples.values), x)
+    values = np.interp(x, knots, samples.values)
+    return np.trapezoid(values, x)
 
 
 LENGTH = 2.0  # m
@@ -324,23 +353,32 @@ def test_averages_are_integrals_over_widths_and_lie_between_the_extremes(
             integral = integral_of_steps(profile, start, end)
         else:
             integral = integral_of_samples(profile, start, end, LENGTH)
-        expected.append(integral / (end - start))
+        mean = integral / (end - start)
+        expected.append(mean)
+
     means = averages(profile, edges, LENGTH)
-    assert means == pytest.approx(expected, rel=1e-9, abs=1e-9)
     low, high = extremes(profile)
+
+    assert means == pytest.approx(expected, rel=1e-9, abs=1e-9)
     assert low == min(profile.values)
     assert high == max(profile.values)
-    assert np.all((means > low - 1e-9) & (means < high + 1e-9))
+    round_off = 1e-9
+    assert np.all(means > low - round_off)
+    assert np.all(means < high + round_off)
 
 
 def test_a_number_is_its_own_average():
-    assert averages(3.0, np.array([0.0, 0.1, 0.5]), 1.0).tolist() == [3.0, 3.0]
+    edges = np.array([0.0, 0.1, 0.5])
+    means = averages(3.0, edges, length=1.0)
+    assert means.tolist() == [3.0, 3.0]
     assert extremes(3.0) == [3.0, 3.0]
 
 
 def test_averages_of_steps_with_edges_at_their_jumps_and_across_them():
     steps = ri.Steps([1.0, 2.0, 4.0], at=[0.25, 0.5])
-    at_jumps = averages(steps, np.array([0.0, 0.25, 0.5, 1.0]), 1.0)
+    edges_at_jumps = np.array([0.0, 0.25, 0.5, 1.0])
+    edges_across_jumps = np.array([0.0, 0.5, 0.75])
+    at_jumps = averages(steps, edges_at_jumps, length=1.0)
+    across_jumps = averages(steps, edges_across_jumps, length=1.0)
     assert at_jumps.tolist() == [1.0, 2.0, 4.0]
-    across_jumps = averages(steps, np.array([0.0, 0.5, 0.75]), 1.0)
     assert across_jumps.tolist() == [1.5, 4.0]

@@ -25,19 +25,22 @@ HERTZ = ri.Hertz(1e9)
 
 def rod(**changes):
     """A rod 1 m long, with these fields changed or added."""
-    fields = {"length": 1.0, "area": 1e-4, "material": steel, **changes}
+    fields = {"length": 1.0, "area": 1e-4, "material": steel}
+    fields.update(changes)
     return ri.Rod(**fields)
 
 
 def cone(length=1.0, first_area=1e-4, **changes):
     """A rod whose diameter doubles from end to end."""
-    return rod(
-        length=length, area=lambda x: first_area * (1 + x / length) ** 2, **changes
-    )
+
+    def area(x):
+        return first_area * (1 + x / length) ** 2
+
+    return rod(length=length, area=area, **changes)
 
 
 def material(E=1.0, rho=1.0, **more):
-    """A material of bar speed 1 m/s, if nothing else is said."""
+    """A material with a wave speed of 1 m/s, if nothing else is said."""
     return ri.Material("m", youngs_modulus=E, density=rho, **more)
 
 
@@ -338,17 +341,15 @@ UNDECIDED = (
 @pytest.mark.parametrize("body", [MASS, WALL])
 @pytest.mark.parametrize("laws", [None, [ri.Rigid(), ri.Rigid()]])
 def test_rigid_contact_between_rigid_bodies_needs_a_restitution(body, laws):
-    assert_told(
-        lambda: row(rod(), MASS, body, contacts=laws), {"contacts.1": UNDECIDED}
-    )
+    messages = {"contacts.1": UNDECIDED}
+    assert_told(lambda: row(rod(), MASS, body, contacts=laws), messages)
 
 
 @pytest.mark.parametrize("body", [rod(), WALL, MASS])
 def test_rigid_contact_of_a_rod_takes_no_restitution(body):
-    assert_told(
-        lambda: row(rod(), body, contacts=[ri.Rigid(1.0)]),
-        {"contacts.0.restitution": "waves of a rod decide"},
-    )
+    law = ri.Rigid(restitution=1.0)
+    messages = {"contacts.0.restitution": "waves of a rod decide"}
+    assert_told(lambda: row(rod(), body, contacts=[law]), messages)
 
 
 @pytest.mark.parametrize(("make", "messages"), table_of(DAMPING))
@@ -359,11 +360,11 @@ def test_mistakes_in_damping_are_refused(make, messages):
 @given(st.floats(1e-3, 1e6), st.floats(1e-3, 1e6))
 def test_a_material_has_the_wave_speed_that_it_was_given(speed, density):
     made = ri.Material("m", wave_speed=speed, density=density)
-
     twice_as_fast = made.replace(wave_speed=2 * speed)
+    restored = ri.Material(**made.to_dict())
     assert made.wave_speed == pytest.approx(speed, rel=1e-15)
     assert twice_as_fast.wave_speed == pytest.approx(2 * speed, rel=1e-15)
-    assert ri.Material(**made.to_dict()) == made
+    assert restored == made
 
 
 def test_wave_speeds_make_a_family():
@@ -397,10 +398,9 @@ def test_wave_speeds_make_a_family():
     ],
 )
 def test_mistakes_in_wave_speeds_of_materials_are_refused(numbers, messages):
-    assert_told(
-        lambda: ri.Material("m", **{"density": 8000.0, **numbers}),
-        messages,
-    )
+    arguments = {"density": 8000.0}
+    arguments.update(numbers)
+    assert_told(lambda: ri.Material("m", **arguments), messages)
 
 
 @pytest.mark.parametrize("n", [0, 100001, 2.0, True, "3", None])
@@ -490,19 +490,29 @@ def test_between_rigid_bodies_a_law_decides(pair, law):
 
 
 def test_wave_speed_transit_time_impedance_and_mass_of_a_segment():
-    segment = ri.Segment(0.5, 2e-4, material(16.0, 4.0))
-    assert segment.wave_speed == 2.0
-    assert segment.transit_time == 0.25
-    assert segment.impedance == pytest.approx(4.0 * 2e-4 * 2.0)
-    assert segment.mass == pytest.approx(4.0 * 2e-4 * 0.5)
+    density = 4.0
+    length = 0.5
+    area = 2e-4
+    segment = ri.Segment(length, area, material(E=16.0, rho=density))
+    wave_speed = 2.0  # the root of 16/4
+    impedance = density * wave_speed * area
+    mass = density * area * length
+    assert segment.wave_speed == wave_speed
+    assert segment.transit_time == length / wave_speed
+    assert segment.impedance == pytest.approx(impedance)
+    assert segment.mass == pytest.approx(mass)
 
 
 def test_gravity_of_0_is_left_out_of_the_description():
     system = ri.System([rod()])
-    assert ri.System([rod()], gravity=0) == system
-    assert ri.System([rod()], gravity=-0.0) == system
+    with_zero = ri.System([rod()], gravity=0)
+    with_minus_zero = ri.System([rod()], gravity=-0.0)
+    assert with_zero == system
+    assert with_minus_zero == system
     assert set(system.to_dict()) == {"bodies", "contacts"}
 
+
+def test_gravity_counts_for_the_description_and_the_digest():
     on_a_floor = ri.System([rod(), ri.Wall()])
     falling = ri.System([rod(), ri.Wall()], gravity=9.81)
     assert falling.to_dict()["gravity"] == 9.81
@@ -514,23 +524,30 @@ FAMILY_DIGEST = "b30b44bb2ada05120df8008049d58f1df3d1f6c184bce26c2f475d60d494200
 
 
 def test_descriptions_of_plain_rows_stay_as_they_were():
-    """Digests name files and sweeps on disk."""
-    system = ri.System(
-        [rod(velocity=1.0), rod(), ri.Wall()], [0.0, 1e-5], [ri.Bonded(), ri.Rigid()]
-    )
+    """Digests name files and sweeps on disk; these two were noted once."""
+    bodies = [rod(velocity=1.0), rod(), ri.Wall()]
+    system = ri.System(bodies, [0.0, 1e-5], [ri.Bonded(), ri.Rigid()])
+    lengths = np.array([1.0, 2.0])
+    family = ri.System([rod(length=lengths), ri.Wall()])
+
+    description = system.to_dict()
+
     bond = {"gap": 0.0, "law": "bonded"}
     contact = {"gap": 1e-5, "law": "rigid"}
-    assert system.to_dict()["contacts"] == [bond, contact]
+    assert description["contacts"] == [bond, contact]
     assert system.digest == PLAIN_DIGEST
-
-    family = ri.System([rod(length=np.array([1.0, 2.0])), ri.Wall()])
     assert family.digest == FAMILY_DIGEST
 
 
-def test_equal_objects_have_equal_digests_whatever_the_sign_of_zero():
-    assert ri.Wall(-0.0) == ri.Wall(0.0)
-    assert hash(ri.Wall(-0.0)) == hash(ri.Wall(0.0))
+def test_equal_objects_have_equal_hashes_whatever_the_sign_of_zero():
+    wall = ri.Wall(0.0)
+    negative = ri.Wall(-0.0)
+    assert negative == wall
+    assert hash(negative) == hash(wall)
 
+
+def test_equal_objects_have_equal_digests_whatever_the_sign_of_zero():
+    """A mirror changes the sign of gravity, also of that which is 0."""
     system = ri.System([rod(), ri.Wall()], gravity=[1.0, 0.0])
     mirrored_twice = system.mirrored().mirrored()
     assert mirrored_twice == system
@@ -542,14 +559,9 @@ def family():
     """A row of shape (3, 2) in which every number that may vary does."""
     two = np.array([1.0, 2.0])
     three = np.array([[1.0], [2.0], [3.0]])
-    bodies = [
-        ri.Wall(),
-        ri.RigidMass(two, velocity=three),
-        ri.RigidMass(1.0),
-        rod(),
-        rod(),
-        MASS,
-    ]
+    masses = ri.RigidMass(two, velocity=three)
+    bodies = [ri.Wall(), masses, ri.RigidMass(1.0), rod(), rod(), MASS]
+    gaps = [0.0, two, 0.0, 0.0, 0.0]
     laws = [
         ri.Rigid(two / 2),
         ri.SpringDashpot(three, two),
@@ -557,13 +569,8 @@ def family():
         ri.HuntCrossley(two, three),
         ri.Spring(three),
     ]
-    return ri.System(
-        bodies,
-        gaps=[0.0, two, 0.0, 0.0, 0.0],
-        contacts=laws,
-        gravity=two,
-        ends=(ri.Free(), ri.Pushed(three)),
-    )
+    ends = (ri.Free(), ri.Pushed(three))
+    return ri.System(bodies, gaps, laws, gravity=two, ends=ends)
 
 
 def test_numbers_of_every_kind_make_families_by_their_paths(family):
@@ -582,10 +589,15 @@ def test_numbers_of_every_kind_make_families_by_their_paths(family):
         "gravity",
         "ends.right.value",
     }
-    assert ri.System.from_dict(family.to_dict()) == family
+
+
+def test_a_family_of_every_kind_of_number_survives_its_description(family):
+    restored = ri.System.from_dict(family.to_dict())
+    assert restored == family
 
 
 def test_a_member_of_a_family_has_its_own_numbers(family):
+    """It is the third along the first axis and the second along the second."""
     member = family[2, 1]
     assert member.shape == ()
     assert member.bodies[1] == ri.RigidMass(2.0, velocity=3.0)
@@ -595,23 +607,32 @@ def test_a_member_of_a_family_has_its_own_numbers(family):
 
 
 def test_a_part_of_a_family_is_a_family(family):
-    assert family[:, 0].shape == (3,)
-    gravity = family[1:].parameters["gravity"]
+    first_column = family[:, 0]
+    last_rows = family[1:]
+    gravity = last_rows.parameters["gravity"]
+    assert first_column.shape == (3,)
     assert gravity.shape == (1, 2)  # it varies along the second axis only
 
 
-def test_objects_are_frozen_and_compare_by_value():
+def test_objects_are_frozen():
+    frozen = rod()
+    with pytest.raises(AttributeError, match="frozen"):
+        frozen.velocity = 2.0
+    with pytest.raises(AttributeError, match="frozen"):
+        del frozen.velocity
+    assert frozen == rod()
+
+
+def test_objects_compare_by_value():
     first = rod()
     second = rod()
-    with pytest.raises(AttributeError, match="frozen"):
-        first.velocity = 2.0
-    with pytest.raises(AttributeError, match="frozen"):
-        del first.velocity
+    moving = rod(velocity=1.0)
+    different = {first, second, ri.Wall()}
     assert first == second
     assert hash(first) == hash(second)
-    assert first != rod(velocity=1.0)
+    assert first != moving
     assert first != "rod"
-    assert len({first, second, ri.Wall()}) == 2
+    assert len(different) == 2
 
 
 def plain_row():
@@ -619,13 +640,10 @@ def plain_row():
     moving = rod(velocity=ri.Steps([1.0, 0.0], [0.25]), strain=1e-4)
     thin = ri.Segment(0.2, 1e-4, steel)
     thick = ri.Segment(0.3, 2e-4, glass)
-    return row(
-        ri.Wall(1.0),
-        moving,
-        ri.Rod(segments=[thin, thick]),
-        gaps=[0.0, 1e-5],
-        contacts=[ri.Bonded(), ri.Rigid()],
-    )
+    stepped = ri.Rod(segments=[thin, thick])
+    wall = ri.Wall(1.0)
+    laws = [ri.Bonded(), ri.Rigid()]
+    return row(wall, moving, stepped, gaps=[0.0, 1e-5], contacts=laws)
 
 
 def row_of_masses():
@@ -659,56 +677,57 @@ def test_a_system_survives_its_description(system):
 def test_a_mirror_turns_gravity_and_drives():
     push = ri.Pushed(ri.Steps([1.0, 2.0], [1e-3]))
     pull = ri.Moved(ri.Samples([1.0, 2.0], step=1e-3))
-    system = ri.System(
-        [rod(velocity=1.0), MASS, rod()],
-        [0.0, 0.5],
-        [ri.Rigid(), ri.Hertz(1.0)],
-        gravity=9.81,
-        ends=(push, pull),
-    )
+    bodies = [rod(velocity=1.0), MASS, rod()]
+    gaps = [0.0, 0.5]
+    laws = [ri.Rigid(), ri.Hertz(1.0)]
+    system = ri.System(bodies, gaps, laws, gravity=9.81, ends=(push, pull))
 
     image = system.mirrored()
 
-    assert image.gravity == -9.81
+    # A push is positive towards the body, a velocity to the right.
     mirrored_pull = ri.Moved(ri.Samples([-1.0, -2.0], step=1e-3))
+    mirrored_mass = MASS.replace(velocity=-MASS.velocity)
+    assert image.gravity == -9.81
     assert image.ends == (mirrored_pull, push)
-    assert image.bodies[1] == ri.RigidMass(2.0, velocity=1.0)
+    assert image.bodies[1] == mirrored_mass
     assert image.contacts == (ri.Hertz(1.0), ri.Rigid())
     assert image.mirrored() == system
 
 
+def velocities_of(system):
+    """Velocity of each body, m/s."""
+    return [body.velocity for body in system.bodies]
+
+
 def test_gravity_and_held_ends_stay_when_time_is_turned_round():
-    system = ri.System(
-        [rod(velocity=1.0), MASS, ri.Wall(1.0)],
-        contacts=[ri.Hertz(1.0), ri.Rigid(1)],
-        gravity=9.81,
-        ends=(ri.Fixed(), ri.Free()),
-    )
+    bodies = [rod(velocity=1.0), MASS, ri.Wall(1.0)]
+    laws = [ri.Hertz(1.0), ri.Rigid(restitution=1)]
+    ends = (ri.Fixed(), ri.Free())
+    system = ri.System(bodies, contacts=laws, gravity=9.81, ends=ends)
 
     back = system.reversed()
 
     assert back.gravity == 9.81
     assert back.ends == system.ends
-    assert [body.velocity for body in back.bodies] == [-1.0, 1.0, -1.0]
+    assert velocities_of(system) == [1.0, -1.0, 1.0]
+    assert velocities_of(back) == [-1.0, 1.0, -1.0]
     assert back.reversed() == system
 
 
 def test_no_film_runs_backwards_where_something_is_lost():
-    viscous = ri.Material("s", youngs_modulus=1e9, density=1e3, viscosity=1.0)
+    viscous = steel.replace(viscosity=1.0)
     elastic_segment = ri.Segment(1.0, 1e-4, steel)
     viscous_segment = ri.Segment(1.0, 1e-4, viscous)
     stepped = ri.Rod(segments=[elastic_segment, viscous_segment])
+    bodies = [rod(), rod(material=viscous), stepped, MASS, ri.Wall()]
     laws = [
-        ri.SpringDashpot(1.0, 1.0),
-        ri.HuntCrossley(1.0, [0.0, 1.0]),
+        ri.SpringDashpot(stiffness=1.0, damping=1.0),
+        ri.HuntCrossley(stiffness=1.0, damping=[0.0, 1.0]),
         ri.Spring(1.0),
-        ri.Rigid([1.0, 0.0]),
+        ri.Rigid(restitution=[1.0, 0.0]),
     ]
-    system = ri.System(
-        [rod(), rod(material=viscous), stepped, MASS, ri.Wall()],
-        contacts=laws,
-        ends=(ri.Absorbing(), ri.Free()),
-    )
+    ends = (ri.Absorbing(), ri.Free())
+    system = ri.System(bodies, contacts=laws, ends=ends)
 
     messages = problems(system.reversed)
 
@@ -728,13 +747,16 @@ def test_no_film_runs_backwards_where_a_contact_yields():
 
 
 def test_a_film_runs_backwards_where_dampings_are_0():
-    laws = [ri.SpringDashpot(1.0, 0.0), ri.HuntCrossley(1.0, 0.0)]
+    laws = [
+        ri.SpringDashpot(stiffness=1.0, damping=0.0),
+        ri.HuntCrossley(stiffness=1.0, damping=0.0),
+    ]
     system = ri.System([rod(velocity=1.0), rod(), rod()], contacts=laws)
 
     back = system.reversed()
 
     assert back.contacts == system.contacts
-    assert [body.velocity for body in back.bodies] == [-1.0, 0.0, 0.0]
+    assert velocities_of(back) == [-1.0, 0.0, 0.0]
 
 
 @pytest.mark.parametrize(
@@ -770,49 +792,73 @@ def test_a_mirror_drops_steps_that_lose_their_width(length, profile, mirrored_va
 
 
 def test_a_loss_factor_is_a_viscosity_at_its_frequency():
-    frequency = 1e3
-    damped = steel.damped(0.02, frequency)
-    loss_factor = 2 * np.pi * frequency * damped.viscosity / damped.youngs_modulus
-    assert loss_factor == pytest.approx(0.02)
-    assert damped.damped(0.0, 5.0) == steel
+    loss_factor = 0.02
+    frequency = 1e3  # Hz
+    damped = steel.damped(loss_factor, frequency)
+    viscosity = loss_factor * damped.youngs_modulus / (2 * np.pi * frequency)
+    assert damped.viscosity == pytest.approx(viscosity)
 
-    family = steel.damped([0.01, 0.02], frequency)
+
+def test_damping_replaces_that_of_before():
+    damped = steel.damped(loss_factor=0.02, frequency=1e3)
+    undamped = damped.damped(loss_factor=0.0, frequency=5.0)
+    assert undamped == steel
+
+
+def test_loss_factors_make_a_family():
+    damped = steel.damped(loss_factor=0.02, frequency=1e3)
+    family = steel.damped(loss_factor=[0.01, 0.02], frequency=1e3)
     assert family.viscosity[1] == damped.viscosity
 
 
+def tapered_segment():
+    """A segment of 0.5 m whose area grows from 1e-4 m^2 by 1 m^2 for each metre."""
+    return ri.Segment(0.5, lambda x: 1e-4 + x, steel)
+
+
 def test_a_taper_runs_from_end_to_end_of_its_segment():
-    tapered = ri.Segment(0.5, lambda x: 1e-4 + x, steel)
-    assert tapered.area.values[0] == 1e-4
-    assert tapered.area.values[-1] == 0.5001
+    tapered = tapered_segment()
+    areas = tapered.area.values
+    assert areas[0] == 1e-4
+    assert areas[-1] == 0.5001
     assert tapered.wave_speed == steel.wave_speed
     assert tapered.transit_time == 0.5 / steel.wave_speed
 
 
 def test_what_is_tapered_says_so():
-    tapered = ri.Segment(0.5, lambda x: 1e-4 + x, steel)
+    tapered = tapered_segment()
     uniform = ri.Segment(0.5, 1e-4, steel)
+    rod_of_both = ri.Rod(segments=[uniform, tapered])
     assert tapered.tapered
     assert not uniform.tapered
     assert not rod().tapered
-    assert ri.Rod(segments=[uniform, tapered]).tapered
+    assert rod_of_both.tapered
 
 
 def test_the_mass_of_a_taper_is_exact_for_straight_lines():
-    segment = ri.Segment(0.5, ri.Samples([1.0, 2.0, 6.0]), steel)
+    areas = ri.Samples([1.0, 2.0, 6.0])
+    segment = ri.Segment(0.5, areas, steel)
     volume = (1.5 + 4.0) * 0.25  # mean areas of two lines, each 0.25 m long
-    assert segment.mass == pytest.approx(steel.density * volume, rel=1e-15)
+    mass = steel.density * volume
+    assert segment.mass == pytest.approx(mass, rel=1e-15)
 
-    family = rod(length=[1.0, 3.0], area=ri.Samples([1e-4, 2e-4]))
-    volumes = np.array([1.0, 3.0]) * 1.5e-4
-    assert family.mass == pytest.approx(steel.density * volumes, rel=1e-15)
+
+def test_tapers_of_a_family_of_lengths_have_masses_in_proportion():
+    lengths = np.array([1.0, 3.0])
+    family = rod(length=lengths, area=ri.Samples([1e-4, 2e-4]))
+    masses = steel.density * lengths * 1.5e-4  # of the mean area
+    assert family.mass == pytest.approx(masses, rel=1e-15)
 
 
 def test_the_mass_of_a_cone_is_nearly_that_of_the_curve_itself():
     """Its samples stand for it. The area grows from A to 4 A: the volume of a frustum
     is its length times (A + sqrt(A 4 A) + 4 A)/3.
     """
-    volume = 1e-4 * 7 / 3
-    assert cone().mass == pytest.approx(steel.density * volume, rel=1e-6)
+    first_area = 1e-4
+    length = 1.0
+    volume = length * (1 + 2 + 4) * first_area / 3
+    mass = steel.density * volume
+    assert cone(length, first_area).mass == pytest.approx(mass, rel=1e-6)
 
 
 def test_the_impedance_of_a_taper_is_no_single_number():
@@ -835,9 +881,12 @@ def test_areas_between_places_hold_the_volume(areas, length, cuts):
     mean_areas = segment.area_between(edges)
 
     volume = np.sum(mean_areas * np.diff(edges))
-    assert volume * steel.density == pytest.approx(segment.mass, rel=1e-12)
-    assert np.all(mean_areas > min(areas) * (1 - 1e-6))
-    assert np.all(mean_areas < max(areas) * (1 + 1e-6))
+    mass = volume * steel.density
+    smallest = min(areas)
+    largest = max(areas)
+    assert mass == pytest.approx(segment.mass, rel=1e-12)
+    assert np.all(mean_areas > smallest * (1 - 1e-6))
+    assert np.all(mean_areas < largest * (1 + 1e-6))
 
 
 @given(AREAS, st.integers(1, 50))
@@ -869,15 +918,21 @@ def test_a_taper_in_steps_keeps_mass_length_state_and_uniform_segments(areas, n)
 def test_members_of_a_family_of_stepped_tapers_are_those_alone():
     taper = ri.Samples([1e-4, 3e-4])
     lengths = np.array([1.0, 3.0])
-    family = ri.System([rod(length=lengths, area=taper).in_steps(2)])
-    member = ri.System([rod(length=3.0, area=taper).in_steps(2)])
+    stepped = rod(length=lengths, area=taper).in_steps(2)
+    second_alone = rod(length=3.0, area=taper).in_steps(2)
+    family = ri.System([stepped])
     assert family.shape == (2,)
-    assert family[1] == member
+    assert family[1] == ri.System([second_alone])
 
 
 def test_a_uniform_rod_in_steps_is_itself():
-    assert rod(velocity=1.0).in_steps(7) == rod(velocity=1.0)
-    assert rod(area=ri.Steps([1e-4], [])) == rod()
+    uniform = rod(velocity=1.0)
+    assert uniform.in_steps(7) == uniform
+
+
+def test_an_area_of_a_single_step_makes_a_uniform_rod():
+    area = ri.Steps([1e-4], [])
+    assert rod(area=area) == rod(area=1e-4)
 
 
 def test_steps_of_the_area_make_a_stepped_rod():
@@ -885,74 +940,111 @@ def test_steps_of_the_area_make_a_stepped_rod():
     stepped = rod(area=area, velocity=lambda x: x)
     sizes = [(segment.length, segment.area) for segment in stepped.segments]
     assert sizes == [(0.25, 1e-4), (0.25, 2e-4), (0.5, 3e-4)]
-    assert stepped.velocity.values[-1] == 1.0
+    assert stepped.velocity.values[-1] == 1.0  # at its end, x = 1 m
 
 
 def test_lengths_between_steps_are_differences_of_decimals():
+    """The floats 0.3 and 0.1 differ by 0.19999999999999998."""
     area = ri.Steps([1e-4, 2e-4, 3e-4], [0.1, 0.3])
-    lengths = [segment.length for segment in rod(length=0.4, area=area).segments]
+    stepped = rod(length=0.4, area=area)
+    lengths = [segment.length for segment in stepped.segments]
     assert lengths == [0.1, 0.2, 0.1]
 
+
+def test_lengths_between_steps_of_a_family_are_differences_of_decimals():
+    area = ri.Steps([1e-4, 2e-4, 3e-4], [0.1, 0.3])
     ends = np.array([0.4, 0.7])
-    _, middle, last = rod(length=ends, area=area).segments
+    stepped = rod(length=ends, area=area)
+    _, middle, last = stepped.segments
     assert middle.length == 0.2
     assert last.length.tolist() == [0.1, 0.4]
 
 
 def test_each_step_of_a_round_rod_is_round():
-    stepped = rod(area=ri.Steps([1e-4, 2e-4], [0.25]), **ROUND_LOVE)
+    area = ri.Steps([1e-4, 2e-4], [0.25])
+    stepped = rod(area=area, **ROUND_LOVE)
     polar_moments = [segment.polar_moment for segment in stepped.segments]
     assert polar_moments == ["circular", "circular"]
 
 
-def test_areas_and_places_of_steps_make_families():
-    areas = np.array([1.0, 2.0])
-    family = ri.System([rod(area=ri.Steps([1e-4, areas], [0.25]))])
+def test_areas_of_steps_make_families():
+    second_areas = np.array([1.0, 2.0])
+    area = ri.Steps([1e-4, second_areas], [0.25])
+    family = ri.System([rod(area=area)])
     assert list(family.parameters) == ["bodies.0.segments.1.area"]
 
+
+def test_places_of_steps_make_families():
     places = np.array([0.25, 0.5])
-    stepped = rod(area=ri.Steps([1e-4, 2e-4], [places]))
-    lengths = [segment.length.tolist() for segment in stepped.segments]
-    assert lengths == [[0.25, 0.5], [0.75, 0.5]]
+    area = ri.Steps([1e-4, 2e-4], [places])
+    first, second = rod(area=area).segments
+    assert first.length.tolist() == [0.25, 0.5]
+    assert second.length.tolist() == [0.75, 0.5]
 
 
-def test_polar_moments_of_discs_tubes_bars_and_round_tapers():
+def test_the_polar_moment_of_a_disc_is_that_of_its_radius():
     radius = 0.01
-    disc = ri.Segment(1.0, np.pi * radius**2, steel, **ROUND_LOVE)
+    area = np.pi * radius**2
+    disc = ri.Segment(1.0, area, steel, **ROUND_LOVE)
     moment = np.pi * radius**4 / 2
-    assert disc.polar_moments(disc.area) == pytest.approx(moment, rel=1e-15)
+    assert disc.polar_moments(area) == pytest.approx(moment, rel=1e-15)
 
+
+def test_a_tube_has_the_polar_moment_that_was_given_and_a_bar_none():
     areas = [1e-4, 2e-4]
     tube = ri.Segment(1.0, 1e-4, steel, polar_moment=3e-8, **LOVE)
-    assert tube.polar_moments(areas).tolist() == [3e-8, 3e-8]
     bar = ri.Segment(1.0, 1e-4, steel)
+    assert tube.polar_moments(areas).tolist() == [3e-8, 3e-8]
     assert bar.polar_moments(areas).tolist() == [0.0, 0.0]
 
-    tapered = ri.Segment(1.0, ri.Samples([1.0, 2.0]), steel, **ROUND_LOVE)
-    moments = np.array([1.0, 4.0]) / (2 * np.pi)  # of discs: area^2/(2 pi)
-    assert tapered.polar_moments([1.0, 2.0]) == pytest.approx(moments, rel=1e-15)
+
+def test_polar_moments_of_a_round_taper_are_those_of_discs():
+    areas = np.array([1.0, 2.0])
+    tapered = ri.Segment(1.0, ri.Samples(areas), steel, **ROUND_LOVE)
+    moments = areas**2 / (2 * np.pi)
+    assert tapered.polar_moments(areas) == pytest.approx(moments, rel=1e-15)
 
 
 @pytest.mark.parametrize("word", ["rayleigh-love", "mindlin-herrmann"])
 def test_a_word_and_a_diameter_are_enough_for_lateral_inertia(word):
-    thick = ri.Rod(1.0, diameter=0.02, material=steel, lateral_inertia=word)
+    radius = 0.01
+    area = math.pi * radius**2
+    thick = rod(area=None, diameter=2 * radius, lateral_inertia=word)
+    round_rod = rod(area=area, polar_moment="circular", lateral_inertia=word)
+    (segment,) = thick.segments
+    (round_segment,) = round_rod.segments
     assert thick == thick.replace(polar_moment="circular")
-    disc = rod(area=math.pi * 1e-4, polar_moment="circular", lateral_inertia=word)
-    moments = thick.segments[0].polar_moments([1.0])
-    assert moments == disc.segments[0].polar_moments([1.0])
-    assert not thick.segments[0].ideal
-    assert ri.System.from_dict(ri.System([thick]).to_dict()).bodies == (thick,)
+    assert segment.polar_moments([1.0]) == round_segment.polar_moments([1.0])
+    assert not segment.ideal
 
+
+@pytest.mark.parametrize("word", ["rayleigh-love", "mindlin-herrmann"])
+def test_a_rod_with_lateral_inertia_survives_its_description(word):
+    thick = rod(area=None, diameter=0.02, lateral_inertia=word)
+    system = ri.System([thick])
+    restored = ri.System.from_dict(system.to_dict())
+    assert restored.bodies == (thick,)
+
+
+@pytest.mark.parametrize("word", ["rayleigh-love", "mindlin-herrmann"])
+def test_lateral_inertia_can_be_taken_away(word):
+    thick = rod(area=None, diameter=0.02, lateral_inertia=word)
     bar = thick.replace(lateral_inertia=None)
-    assert bar == ri.Rod(1.0, diameter=0.02, material=steel)
-    assert bar.segments[0].ideal
+    (segment,) = bar.segments
+    assert bar == rod(area=None, diameter=0.02)
+    assert segment.ideal
 
 
 @pytest.mark.parametrize("word", ["rayleigh-love", "mindlin-herrmann"])
 def test_segments_have_the_lateral_inertia_of_their_rod(word):
     tube = rod(polar_moment=2e-8, lateral_inertia=word)
-    assert tube.segments[0].polar_moment == 2e-8
+    (segment,) = tube.segments
+    assert segment.polar_moment == 2e-8
+    assert segment.lateral_inertia == word
 
+
+@pytest.mark.parametrize("word", ["rayleigh-love", "mindlin-herrmann"])
+def test_steps_of_a_rod_with_lateral_inertia_differ_in_their_sizes_only(word):
     area = ri.Steps([1e-4, 2e-4], [0.25])
     stepped = rod(area=area, polar_moment="circular", lateral_inertia=word)
     first, second = stepped.segments
@@ -970,19 +1062,27 @@ def test_every_field_of_a_section_counts_for_equality_and_digest():
         rod(area=None, diameter=0.01),
         rod(**ROUND_MINDLIN_HERRMANN),
     ]
-    assert len(set(rods)) == len(rods)
-    assert len({body.digest for body in rods}) == len(rods)
+    different_rods = set(rods)
+    digests = {body.digest for body in rods}
+    assert len(different_rods) == len(rods)
+    assert len(digests) == len(rods)
     assert rod(**ROUND_LOVE) == rod(**ROUND_LOVE)
-    assert set(rod().segments[0].to_dict()) == {"length", "area", "material"}
 
 
-def test_a_taper_in_steps_is_for_every_method():
-    tapered = ri.System([cone()])
-    assert Options().method_for(tapered) == "finite-difference"
+def test_the_description_of_a_bar_has_nothing_of_lateral_inertia():
+    (segment,) = rod().segments
+    assert set(segment.to_dict()) == {"length", "area", "material"}
 
-    stepped = ri.System([cone(velocity=1.0).in_steps(4), rod()])
-    assert Options().method_for(stepped) == "fronts"
-    outcome = ri.solve(stepped).outcome
+
+def test_a_taper_is_for_a_grid_and_in_steps_for_fronts():
+    tapered = cone(velocity=1.0)
+    options = Options()
+    of_taper = ri.System([tapered, rod()])
+    of_steps = ri.System([tapered.in_steps(4), rod()])
+
+    assert options.method_for(of_taper) == "finite-difference"
+    assert options.method_for(of_steps) == "fronts"
+    outcome = ri.solve(of_steps).outcome
     assert outcome.momentum_residual == pytest.approx(0, abs=1e-12)
 
 
@@ -1017,10 +1117,9 @@ OF_EACH_CLASS = [
 
 def numbers_of(instance):
     """The fields of an object that are numbers, by name."""
-    described = instance.to_dict()
-    names = instance.fields.keys() & described.keys()
-    values = {name: described[name] for name in names}
-    return {name: value for name, value in values.items() if isinstance(value, float)}
+    described = instance.to_dict().items()
+    numbers = {name: value for name, value in described if isinstance(value, float)}
+    return {name: numbers[name] for name in instance.fields if name in numbers}
 
 
 @pytest.mark.parametrize(
@@ -1029,9 +1128,11 @@ def numbers_of(instance):
 def test_replace_changes_the_number_that_it_is_told_and_nothing_else(instance):
     assert instance.replace() == instance
     for name, value in numbers_of(instance).items():
-        changed = instance.replace(**{name: value / 2})
-        assert getattr(changed, name) == value / 2
-        assert changed.replace(**{name: value}) == instance
+        half = value / 2
+        changed = instance.replace(**{name: half})
+        restored = changed.replace(**{name: value})
+        assert getattr(changed, name) == half
+        assert restored == instance
 
 
 @pytest.mark.parametrize(
@@ -1043,14 +1144,17 @@ def test_replace_refuses_names_of_no_parameter(instance):
         instance.replace(colour="red")
 
 
-def test_replace_names_the_nearest_parameter_and_checks_values():
-    nearest = "lenght: is no parameter of Rod; perhaps 'length'"
-    with pytest.raises(ri.InvalidModel, match=nearest):
+def test_replace_names_the_nearest_parameter():
+    message = "lenght: is no parameter of Rod; perhaps 'length'"
+    with pytest.raises(ri.InvalidModel, match=message):
         rod().replace(lenght=1.0)
 
-    not_positive = "stiffness: must be a finite positive number of N/m"
-    with pytest.raises(ri.InvalidModel, match=not_positive):
-        ri.Spring(1.0).replace(stiffness=-1.0)
+
+def test_replace_checks_values():
+    spring = ri.Spring(1.0)
+    message = "stiffness: must be a finite positive number of N/m"
+    with pytest.raises(ri.InvalidModel, match=message):
+        spring.replace(stiffness=-1.0)
 
 
 @pytest.mark.parametrize("kind", [ri.Rod, ri.Segment])
