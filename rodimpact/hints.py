@@ -257,12 +257,12 @@ def explain_missing(*deeper: str) -> Callable[[C], C]:
 
         def __getattr__(self: Any, name: str) -> Any:  # noqa: N807
             # Python calls this only for attributes that it does not find.
-            if hasattr(type(self), name):  # a property failed: its own error is raised
-                return object.__getattribute__(self, name)
+            if hasattr(type(self), name):  # or for a property that has failed
+                return object.__getattribute__(self, name)  # raises its own error
             raise MissingAttribute(self, name)
 
         open_kind: Any = kind  # whose attributes a type checker does not know
-        open_kind._deeper = deeper
+        open_kind._deeper = deeper  # for the hint of `MissingAttribute`
         open_kind.__getattr__ = __getattr__
         explain_methods(kind)
         return kind

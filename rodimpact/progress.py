@@ -138,7 +138,7 @@ class Progress:
             self._progress(done, total)
             return
         if self._done_before is None:
-            self._done_before = done
+            self._done_before = done  # by a checkpoint
         if self._bar is None and time.time() >= self._began + APPEARS_AFTER:
             if is_watched():
                 self._open(total)

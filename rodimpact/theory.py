@@ -564,10 +564,11 @@ class PairNumbers(NamedTuple):
 def pair_numbers(Z1: Array, T1: Array, Z2: Array, T2: Array) -> PairNumbers:
     """Numbers of `saint_venant` from impedances, kg/s, and transit times, s.
 
-    They are q, p = 1 - abs(q), log(q) where q > 0, else 0, and the two transit times in
-    order. Impedances that are equal but for round-off give q = 0 and p = 1. Equal
-    transit times give q <= 0. The page of the explorer has this function and
-    `pair_restitution` as JavaScript.
+    They are the transit times of the short and the long rod, q = (Z_short -
+    Z_long)/(Z_short + Z_long), p = 1 - abs(q), and log(q) where q > 0, else 0.
+    Impedances that are equal but for round-off give q = 0 and p = 1. Equal transit
+    times, for which no rod is the short one, give q <= 0. The page of the explorer has
+    this function and `pair_restitution` as JavaScript.
     """
     low = np.minimum(Z1, Z2)
     high = np.maximum(Z1, Z2)

@@ -106,13 +106,13 @@ class Material(FrozenDataclass):
         """Set and check the numbers; a wave speed c gives the modulus E = rho c^2.
 
         Exactly one of E and c must be given. InvalidModel with the mistakes of all
-        arguments.
+        arguments; after one in the choice of E and c, E itself is not checked.
         """
         problems: Problems = []
         modulus: Any = youngs_modulus
         if wave_speed is None and youngs_modulus is None:
             message = "is missing; give it, or the wave_speed"
-            problems.append(("youngs_modulus", message))
+            problems.append(("youngs_modulus", message))  # there is no value to show
         elif youngs_modulus is None:
             modulus = _modulus_of(problems, density, wave_speed)
         elif wave_speed is not None:

@@ -735,15 +735,17 @@ class Tabulated(Plastic, law="tabulated"):
         forces = list(self.force)
         peak_compression: Any
         if force >= self.force[-1]:
-            # The last line goes on: the new table needs one more point on it.
+            # The last line goes on: the new table needs one more point on it. Any force
+            # beyond the peak would do; it is twice the peak force.
             excess = (force - self.force[-1]) / last_slope
             peak_compression = self.compression[-1] + excess
             compressions.append(peak_compression + force / last_slope)
-            forces.append(2 * force)  # any force beyond the peak would do
+            forces.append(2 * force)
         else:
             # The table from (0, 0) on gives the compression over the force.
             all_forces = (0.0, *forces)
             peak_compression = np.interp(force, all_forces, (0.0, *compressions))
+        # On the elastic line F = k d the faces return to where they were.
         is_elastic = force <= 0 or force >= k * peak_compression * (1 - SLOPE_RTOL)
         if is_elastic:
             return self

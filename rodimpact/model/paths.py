@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..hints import MOST_CHOICES, listed, nearest
+from ..hints import MOST_CHOICES, listed, nearest, similar
 from ..units import MOST_SHOWN
 from .bodies import Material, RigidMass, Rod, Segment
 from .frozen import Number, QuantityField
@@ -121,10 +121,12 @@ def with_numbers(system: System, numbers: Mapping[str, float]) -> System:
 
 
 def field_at(system: System, entry: str) -> QuantityField:
-    """Declaration of the number at an entry, found by the last word of the entry.
+    """Declaration of the number at an entry, which the system has.
 
-    A number of a contact law is declared in the law. If no declaration is known, one
-    without unit and of any sign is returned.
+    A number of a contact law is declared in the class of the law. All others are found
+    by the last word of the entry; if none of that name is declared, a declaration
+    without unit and of any sign is returned. IndexError or KeyError for a contact, or a
+    number of its law, that the system does not have.
     """
     owner, _, field = entry.rpartition(".")
     if owner.startswith("contacts") and field != "gap":
@@ -160,15 +162,14 @@ def suggestion(path: str, choices: Collection[str]) -> str:
     for choice in choices:
         if choice.startswith(beginning):
             remainders.append(choice.removeprefix(beginning))
-    hint = nearest(last_parts, remainders, beginning)
-    none_is_near = hint.startswith("use one of")  # the words of `nearest` for a list
+    none_is_near = similar(last_parts, remainders) is None
     if none_is_near and len(remainders) > MOST_CHOICES:
         beginnings: dict[str, None] = {}  # each once, in order
         for remainder in remainders:
             next_part, _, _ = remainder.partition(".")
             beginnings[beginning + next_part] = None
-        hint = f"use one that begins with {listed(list(beginnings))}"
-    return hint
+        return f"use one that begins with {listed(list(beginnings))}"
+    return nearest(last_parts, remainders, beginning)
 
 
 def _shared_beginning(path: str, choices: Collection[str]) -> str:

@@ -364,12 +364,13 @@ def _with_output_speed(output_bar: InstrumentedBar) -> _Timed:
 
 
 def _with_input_speed(input_bar: InstrumentedBar, output: _Timed) -> _Timed:
-    """Time the pulse from the input gauge through the joint to the output gauge.
+    """The input bar with its wave speed, fitted to the pulse in the output bar.
 
-    The result is the input bar with the wave speed that this time gives, if `output` is
-    the output bar with its measured speed. The error of the speed has two independent
-    parts: of the arrival, and of the travel time in the output bar. InvalidModel if the
-    record ends too early, or the speed is far off.
+    The pulse is propagated from the input gauge through the joint to the output gauge,
+    and must fit the record there. `output` is the output bar with its measured speed.
+    The error of the fitted speed has two independent parts: of the arrival, and of the
+    travel time in the output bar. InvalidModel if the record ends too early, or the
+    speed is far off.
     """
     output_bar = output.bar
     input_path = float(input_bar.distances[0])
@@ -386,8 +387,9 @@ def _with_input_speed(input_bar: InstrumentedBar, output: _Timed) -> _Timed:
     # Error of the travel time in the output bar, path/speed
     output_time_error = relative_error * output_path / output_bar.speed
     # As speed = path/time, its error is speed^2/path times that of the time.
-    from_output = timed.bar.speed**2 / input_path * output_time_error
-    return timed._replace(speed_error=math.hypot(timed.speed_error, from_output))
+    speed_error_from_output = timed.bar.speed**2 / input_path * output_time_error
+    speed_error = math.hypot(timed.speed_error, speed_error_from_output)
+    return timed._replace(speed_error=speed_error)
 
 
 def _fit_wave_speed(

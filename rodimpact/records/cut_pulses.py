@@ -172,7 +172,7 @@ def _pulse_from_rest(name: str, gauge: BarGauge) -> _Pulse:
     """
     strain = gauge.strain
     try:
-        # One sample of 0 more ends a pulse that was cut off at its end.
+        # One sample of 0 after the last, at `end`, ends a pulse that was cut off there.
         times = np.append(strain.times, strain.end + strain.dt)
         values = np.append(strain.values, 0.0)
         pulse = first_part(times, values)

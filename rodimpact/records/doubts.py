@@ -301,7 +301,7 @@ def _unlike_stations(bar: InstrumentedBar) -> Iterator[str]:
     apart = abs(first_distance - second_distance)
     propagated = bar.propagated(bar.strains[0], apart)
     arrival = bar.pulse_start + apart / bar.speed
-    until = arrival + _alone_at_second_gauge(bar)
+    until = arrival + _time_alone_at_second_gauge(bar)
     is_alone = (bar.times >= arrival) & (bar.times < until)
     if is_alone.sum() < MIN_COMPARED_SAMPLES:
         return
@@ -321,7 +321,7 @@ def _unlike_stations(bar: InstrumentedBar) -> Iterator[str]:
         )
 
 
-def _alone_at_second_gauge(bar: InstrumentedBar) -> float:
+def _time_alone_at_second_gauge(bar: InstrumentedBar) -> float:
     """Time from the arrival of the first pulse at the second gauge to its return, s.
 
     In the input bar it returns from the specimen, in the output bar from the far end.

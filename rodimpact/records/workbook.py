@@ -28,7 +28,8 @@ Instruments call tables of text by this name, too.
 def is_workbook(file: BinaryIO) -> bool:
     """Whether an open file is a workbook, by the end of its name.
 
-    If that is .xls, which texts may have, too, the first bytes tell.
+    If that is .xls, which texts may have, too, the first bytes tell; reading goes on
+    behind them then.
     """
     ending = _ending(file)
     if ending == OLD_ENDING:

@@ -365,7 +365,7 @@ class Fields(Protocol):
             # It includes the displacement of the frame without gravity.
             displacement = self.rod_displacement(body, points, ticks)
         else:
-            ticks = self._rigid_ticks(body, points, ticks)
+            ticks = self._rigid_ticks(body, points, ticks)  # refuses an x other than 0
             if self._is_wall(body):
                 return np.asarray(self._wall_velocity(body) * ticks * clock.tick)
             of_frame = clock.frame * (ticks * clock.tick)

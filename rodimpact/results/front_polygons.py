@@ -175,11 +175,12 @@ def clip(corners: list[Corner], n0: int, n1: int, bound: int) -> list[Corner]:
 def crossing(start: int, stop: int, here: int, there: int) -> int:
     """Tick at which a linear depth is 0, between the ticks `start` and `stop`.
 
-    The depth is `here` at `start`, and `there` at `stop`. Both divisions are exact,
-    since the cut lies at a whole tick, see `clip`. The quotient comes first, since
-    products may exceed 2^53, up to which JavaScript has every whole number.
+    The depth is `here` at `start`, and `there` at `stop`; if both ticks are equal, the
+    result is that tick. Both divisions are exact, since the cut lies at a whole tick,
+    see `clip`. The quotient comes first, since products may exceed 2^53, up to which
+    JavaScript has every whole number.
     """
-    if start == stop:  # the side of the polygon runs along the other of p and q
+    if start == stop:  # only the other coordinate changes along this side
         return start
     fall_per_tick = (here - there) // (stop - start)
     return start + here // fall_per_tick

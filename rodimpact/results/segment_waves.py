@@ -98,9 +98,10 @@ class SegmentWaves(NamedTuple):
         A = self.rightward
         B = self.leftward
         T = self.transit
-        minus_A = A.integral(0, -T)  # backwards, so that it is minus the integral of A
-        twice = minus_A + B.integral(-T, 0)
-        return float(twice) / 2
+        # Minus the integral of A from -T to 0, as it is taken backwards.
+        minus_integral_of_A = A.integral(0, -T)
+        twice_the_elongation = minus_integral_of_A + B.integral(-T, 0)
+        return float(twice_the_elongation) / 2
 
     def velocity_integral(self, ticks: Ints) -> Floats:
         """Integral of v over the segment at `ticks`, m/s ticks, of their shape.

@@ -403,8 +403,9 @@ class Solution(Shown):
         index = self._index(body)
         if not isinstance(self.system.bodies[index], Rod):
             return self.velocity(body, 0.0, t)
-        mass = self.fields.clock.mass(body)
-        return self.fields.momentum(body, t) / mass
+        # The mass of the rod on the clock, as the momentum is.
+        mass = self.fields.clock.mass(index)
+        return self.fields.momentum(index, t) / mass
 
     @_ALLOW_UNDERFLOW
     def gauge(self, body: int, x: float) -> Gauge:

@@ -92,12 +92,13 @@ class WaveFields(Fields):
         The frame's is that at t = 0: g t by gravity is left out. x, m, and ticks
         broadcast, and the result has their shape. `side` decides at jumps.
         """
-        frame = self.clock.frame
+        frame_velocity = self.clock.frame
 
         def velocity(waves: SegmentWaves, p: Ints, q: Ints) -> Floats:
-            """v where two parts of the waves meet, m/s."""
-            return waves.velocity(p, q, side) + frame
+            """v where the parts of both waves meet that left the ends at p and q."""
+            return waves.velocity(p, q, side) + frame_velocity
 
+        # The side, which `velocity` has already, chooses the faster way for "right".
         return self._one_sided_values(body, x, ticks, side, velocity)
 
     def rod_strain(self, body: int, x: Floats, ticks: Ints, side: Side) -> Floats:

@@ -99,7 +99,7 @@ class Case:
             add_problem(problems, "path", "must be the name of a file", path)
         for name, kind in (("varied", Varied), ("gauges", GaugePlace)):
             entries: Any = getattr(self, name)
-            is_valid = isinstance(entries, tuple | list)
+            is_valid = isinstance(entries, tuple | list)  # a list is as good
             if is_valid:
                 is_valid = all(isinstance(entry, kind) for entry in entries)
             if not is_valid:

@@ -220,7 +220,7 @@ def read_material(table: Table, library: Materials, key: str = "material") -> Ma
 
     They are arrays. A number may vary at "materials.NAME", for all bodies of this
     material, and at the path of this entry if its key is "material". If the entry is
-    missing or unknown, that is noted and steel stands in.
+    missing, unknown or a table, that is noted and steel stands in.
     """
     if isinstance(table.get(key), dict):
         message = (
@@ -232,17 +232,17 @@ def read_material(table: Table, library: Materials, key: str = "material") -> Ma
     name = table.word(key, library)
     if name is None:
         return materials.steel
-    # The entries of this material have been read. An empty table at its path leaves the
-    # grids.
+    # The entries of this material have been read. An empty table at the same path has
+    # the numbers that vary there, and no others.
     in_library = Table(table.reading, f"materials.{name}", {})
-    material = with_grids(in_library, library[name])
+    material = with_varying_numbers(in_library, library[name])
     if key == "material":  # and not that of a face: it may vary in this body alone
         in_body = Table(table.reading, table.where(key), {})
-        material = with_grids(in_body, material)
+        material = with_varying_numbers(in_body, material)
     return material
 
 
-def with_grids(table: Table, material: Material) -> Material:
+def with_varying_numbers(table: Table, material: Material) -> Material:
     """The material with arrays for the numbers that vary at paths of this table.
 
     The table is empty; grids and ties stand in for its entries. A wave speed that

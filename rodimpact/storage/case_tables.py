@@ -27,7 +27,7 @@ PROFILES = {  # how a profile is written along a rod, and in time
     "time": " A profile is written {values = [...], at = [...]} or "
     "{samples = [...], step = ...};",
 }
-SAMPLE_KEYS = {r"^values\[(\d+)\]": r"samples.\1", "^values": "samples"}
+KEYS_OF_SAMPLE_PATHS = {r"^values\[(\d+)\]": r"samples.\1", "^values": "samples"}
 """Keys of a profile of samples that the model calls otherwise.
 
 Each is a pattern and its replacement.
@@ -250,12 +250,13 @@ class Table:
                 "values": table.number_list("samples", field.dimension, vary=False)
             }
             if field.along == "time":
-                table.has_or_varies("step")  # unlike samples, it can vary
+                # Unlike samples, the step can vary: the call notes its path.
+                table.has_or_varies("step")
                 entries["step"] = table.number("step", SAMPLE_STEP)
-            for name in CURVE_KEYS:
+            for name in CURVE_KEYS:  # "smooth" and "error", as they are
                 if table.has(name):
                     entries[name] = table.get(name)
-            profile = table.make_or_note(Samples, SAMPLE_KEYS, **entries)
+            profile = table.make_or_note(Samples, KEYS_OF_SAMPLE_PATHS, **entries)
         elif table.has("polynomials") and field.along == "length":
             entries = {
                 "values": table.number_list("polynomials", field.dimension, vary=False)
