@@ -102,7 +102,7 @@ def has_external_drive(system: Any) -> bool:
 
     These are drives of ends, soil or drag along a rod, and gravity on a row that a
     wall, a fixed end or a semi-infinite bar holds; in free fall gravity changes no
-    contact. The page has this as JavaScript.
+    contact. The page of `explorer` has this function as JavaScript.
     """
     is_held = False  # a wall, a fixed end or a semi-infinite bar holds the row
     is_pushed = False  # an end is driven

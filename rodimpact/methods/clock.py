@@ -122,7 +122,7 @@ def rod_mass(clock: Clock, body: int) -> float:
     """Mass of the rod that is the body of this number, kg.
 
     It is the sum over its segments of impedance times transit time, which is rounded to
-    ticks. The page has this as JavaScript.
+    ticks. The page of `explorer` has this function as JavaScript.
     """
     first, last = clock.row.spans[body]  # segments, counted from 1
     mass_in_ticks: float = 0  # kg/s times ticks
@@ -144,8 +144,9 @@ def clock_of(
 ) -> Clock:
     """The clock of a single row whose segments take so many ticks.
 
-    Its `transit_error` and `worst_path` are found here; its `reference` and `last_tick`
-    stay 0.
+    Its `transit_error`, the largest relative change of a transit time by rounding, and
+    `worst_path`, the path of that segment, are found here. Its `reference` and
+    `last_tick` stay 0.
 
     Parameters
     ----------
@@ -170,7 +171,7 @@ def clock_of(
     if impedance is None:
         impedance = [0.0, *(float(s.impedance) for s in row.segments), 0.0]
     error, worst_path = most_rounded(row, transits, tick)
-    if is_mesh:
+    if is_mesh:  # nothing was rounded
         error = 0.0
     return Clock(
         row,
@@ -231,7 +232,7 @@ def most_rounded(row: Any, ticks: Any, tick: float) -> tuple[float, str]:
 
     `ticks` are the rounded transit times by segment, `tick` is the duration of a tick,
     s. If nothing is rounded these are 0 and the path of the first segment; in a row
-    without segments 0 and "". The page has this as JavaScript.
+    without segments 0 and "". The page of `explorer` has this function as JavaScript.
     """
     error = 0.0
     worst = 0  # segment counted from 1; `paths` has "" for 0

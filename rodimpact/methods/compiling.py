@@ -203,13 +203,15 @@ class Compiled:
     def _discard_cache(self) -> None:
         """Delete the files that list machine code of this kernel; warn DamagedCache.
 
-        Files that cannot be deleted stay.
+        Files that cannot be deleted stay. The warning points at the caller of the
+        function that called the kernel.
         """
         for file in self.files():
             with contextlib.suppress(OSError):
                 file.unlink()
-        # The warning points at the caller of `__call__`, which called this.
         message = "machine code in the compiler's cache is damaged; it is made anew"
+        # Level 1 is this function, 2 `__call__`, 3 the function that called the kernel
+        # (such as `Batch.run`), and 4 its caller.
         warnings.warn(message, DamagedCache, stacklevel=4)
 
     def files(self) -> list[Path]:
@@ -295,9 +297,9 @@ def _twin(
 
     The kernel modules that it imports are copied as well. With `once` None the copy is
     for plain Python. Else it is for machine code: functions are jitted, lists become
-    arrays, and `borrowed` its compiled form. `once` then has the names of functions
-    that one function alone uses: they are inlined there, as handing arrays over takes
-    time. The same arguments give the same copy.
+    arrays, and `borrowed` becomes its compiled form. `once` then has the names of
+    functions that one function alone uses: they are inlined there, as handing arrays
+    over takes time. The same arguments give the same copy.
     """
     twin = ModuleType(module.__name__)
 

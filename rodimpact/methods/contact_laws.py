@@ -265,10 +265,10 @@ def guard(
     """Value of guard number `which` of a link, and the status that follows it.
 
     The value has no dimension. The status of the link lasts until one of its guards
-    falls below 0; that guard tells the next status. A dashpot lets go while there is
-    still overlap: GRAZE, until that is gone or it presses again. What yields goes on as
-    elastic, with a new yield force, once it no longer closes; at a knot of its table it
-    goes on with another hardening.
+    falls below 0; that guard tells the next status. Damping can end the force while
+    there is still overlap (GRAZE), until the overlap is gone (OPEN) or it presses again
+    (PRESS). PLASTIC lasts until the contact no longer closes (PRESS, with a new yield
+    force), or comes to a knot of its table (PLASTIC, with another hardening).
 
     Parameters
     ----------
@@ -309,16 +309,18 @@ def guard(
         return rate / scale, Status.PRESS.value
     if status == Status.PRESS and link.law == Law.RIGID:
         return F * link.mobility / scale, Status.OPEN.value
+    # What is left is GRAZE, and PRESS of a law that is not rigid.
     sign = pressing_sign(link, d, closing, F, scale)
     if status == Status.GRAZE and which == 1:
         return -sign, Status.PRESS.value
     if link.law == Law.YIELD and which == 1:
-        # It yields by the force that it would have without damping.
+        # It begins to yield at the force that it would have without damping.
         if link.damping > 0:
             static_force = link.stiffness * d
         else:
             static_force = F
         return 1 - static_force / link.yield_force, Status.PLASTIC.value
+    # The last guard of PRESS, in the table: 0 with a dashpot, else 1 or 2
     if status == Status.PRESS and (which > 0 or has_dashpot(link)):
         return sign, Status.GRAZE.value
     # Guard 0 of GRAZE, and of PRESS without a dashpot: the overlap
@@ -393,11 +395,11 @@ def mean_force(link: Any, x0: float, x1: float) -> tuple[float, float]:
         F, dF = mean_spring(k, 0.0, x0, x1)
     else:  # a spring, which may have a dashpot
         F, dF = mean_spring(k, damping, x0, x1)
-    # `damping` is chi here; c of a spring is in its mean already. Where nothing damps
-    # what yields, the factor is 1.
+    # Powers and what yields are damped by the factor 1 + chi w, `damping` being chi. A
+    # spring is not: its mean has the dashpot already.
     if law == Law.POWER or (law == Law.YIELD and damping > 0):
         factor = 1 + damping * w
-        dF = dF * factor + F * damping
+        dF = dF * factor + F * damping  # product rule, as dw/dx1 = 1
         F = F * factor
     if F <= 0:
         return 0.0, 0.0
@@ -432,23 +434,24 @@ def mean_power(k: float, p: float, x0: float, x1: float) -> tuple[float, float]:
     x0 or x1 is positive. F = k (x1^(p + 1) - x0^(p + 1))/((p + 1) w) with w = x1 - x0,
     and dF/dx1 = (k x1^p - F)/w.
 
-    Where x1 is near x0 these lose digits. With h = w/x0 and q = p + 1 they are
-    F = k x0^p ((1 + h)^q - 1)/(q h), and a series for the derivative,
+    Where x1 is near x0 both lose digits. There, with h = w/x0 and q = p + 1,
+    F = k x0^p ((1 + h)^q - 1)/(q h). For the smallest h the derivative is a series,
     dF/dx1 = k x0^(p - 1) p (1/2 + (p - 1) h/3 + (p - 1)(p - 2) h^2/8 + ...).
     """
     q = p + 1
     w = x1 - x0
     first = k * max(x0, 0.0) ** p  # force at x0
     last = k * max(x1, 0.0) ** p  # force at x1
-    if x0 <= 0 or abs(w) > x0 / 2:
+    if x0 <= 0 or abs(w) > x0 / 2:  # x1 is not near x0
         F = (last * x1 - first * x0) / (q * w)
         return F, (last - F) / w
-    F = first  # the limit for h = 0
     h = w / x0
-    if h != 0:
+    if h == 0:
+        F = first
+    else:
         # (1 + h)^q - 1 without cancellation
         F = first * math.expm1(q * math.log1p(h)) / (q * h)
-    if abs(q * h) > SERIES_RANGE:
+    if abs(q * h) > SERIES_RANGE:  # the derivative still has its digits
         return F, (last - F) / w
     # 1/2 + (p - 1) h/3 + (p - 1)(p - 2) h^2/8 + (p - 1)(p - 2)(p - 3) h^3/30
     third = (p - 1) * h
@@ -476,22 +479,23 @@ def load_plastically(link: Any, x0: float, x1: float) -> tuple[float, float, int
     """
     k = link.stiffness
     knot = link.next_knot
+    # `x` and `force` are the point that the load has reached: first where it yields.
     force = link.yield_force
-    x = force / k  # overlap at which it yields
+    x = force / k
     start = max(x0, 0.0)  # a gap has no force
-    slope = link.hardening_share * k
     work = (x - start) * (force + k * start) / 2  # the elastic part, from start to x
+    slope = link.hardening_share * k
     knots = link.knots
-    # Go on from knot to knot, as long as the line reaches the next one.
+    # Go on from knot to knot, as long as the force at x1 on this line is beyond it.
     while force + slope * (x1 - x) > knots[knot]:
         knot_force = knots[knot]
-        part = (knot_force - force) / slope  # way up to the knot, m
-        work += part * (force + knot_force) / 2
-        x = x + part
+        way = (knot_force - force) / slope  # overlap up to the knot, m
+        work += way * (force + knot_force) / 2
+        x = x + way
         force = knot_force
         slope = link.shares[knot] * k
         knot += 1
-    part = x1 - x
-    end = force + slope * part
-    work = work + part * (force + end) / 2
-    return end, work, knot
+    last_way = x1 - x
+    end_force = force + slope * last_way
+    work = work + last_way * (force + end_force) / 2
+    return end_force, work, knot

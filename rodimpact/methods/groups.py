@@ -43,10 +43,10 @@ def velocities_in_group(
 ) -> list[Any]:
     """Velocities of the bodies of a group, m/s, one a body from left to right.
 
-    Without a wall or fixed end that holds the group all have its mean velocity. Walls,
-    and masses bonded to them, have the velocity of their wall. The others have that of
-    what holds the group; between two that move with different velocities they have the
-    mean: they swing about neither.
+    If no wall or fixed end holds the group, all have its mean velocity. Walls, and
+    masses bonded to them, have the velocity of their wall. The others have that of what
+    holds the group. Where it is held on both sides, at different velocities, they have
+    the mean: they swing about neither.
 
     Parameters
     ----------
@@ -153,10 +153,11 @@ def fill_bonds(
     """Return the forces of all contacts, also those between bonded rigid bodies.
 
     By Newton's law the force on the right of a rigid body is that on its left less m
-    dv/dt; so unknown forces follow from left to right, the first one from `pushed`.
-    What pushes a wall is not known: in a row with a wall on the left, the forces up to
-    the first known one follow from that one, from right to left. If none is known,
-    `pushed` counts there, too. The argument `forces` is not changed.
+    dv/dt. So an unknown force follows from the one before, the first one from `pushed`.
+    In a row with a wall on the left it is not known what pushes the wall: there the
+    forces before the first known one follow from the one behind each. If none is known,
+    the first one follows from `pushed` all the same. The argument `forces` is not
+    changed.
 
     Parameters
     ----------

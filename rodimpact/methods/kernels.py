@@ -129,8 +129,9 @@ def _pays(seconds: float, kernel: Kernel) -> bool:
     told that this takes time; if nothing can be compiled, NoCompiler warns why, and
     False is returned. Nothing is compiled yet.
     """
-    price = LOADING
-    if not _ready:  # numba has not started yet
+    if _ready:
+        price = LOADING
+    else:  # numba has not started yet
         price = STARTING + LOADING
     if seconds <= price:
         return False  # a look at the cache would start numba

@@ -81,14 +81,14 @@ def link_of_contact(law: Any, gap: Any) -> Any:
 
     It has those attributes of the law that its class names as numbers of a link; its
     other numbers are those of `link_of`. A rigid contact with a restitution is an
-    impact (IMPACT). The page has this as JavaScript.
+    impact (IMPACT). The page of `explorer` has this function as JavaScript.
     """
     link = link_of(KINDS[law.law])  # law.law is the name of its kind
     link.gap = gap
     # Fields of the link have the names of the law's attributes.
     for name in FILLED[law.law]:
         setattr(link, name, getattr(law, name))
-    # Between rods the waves decide; a restitution is that of two rigid bodies.
+    # Only a contact of two rigid bodies may have a restitution: waves decide elsewhere.
     if link.law == Law.RIGID and law.restitution is not None:
         link.law = Law.IMPACT
         link.restitution = law.restitution

@@ -191,15 +191,16 @@ class Options(FrozenDataclass):
         method = self.method
         if method == "auto":
             method = self._first_of(capable)
-        missing = METHODS[method].lacking(needs)  # none of a capable method
-        remedy = f'method "{capable[0]}" has'  # that physics
-        # A taper can be replaced by steps; it helps if nothing else is missing.
-        if all(physics == abilities.TAPER for _, physics in missing):
-            remedy += ", or give rod.in_steps(n)"
-        problems: Problems = []
-        for path, physics in missing:
-            problems.append((path, f'method "{method}" has no {physics}; {remedy}'))
-        raise_if_problems(problems)
+        missing = METHODS[method].lacking(needs)  # physics; empty for a capable method
+        if len(missing) > 0:
+            remedy = f'method "{capable[0]}" has'  # that physics
+            # A taper can be replaced by steps; it helps if nothing else is missing.
+            if all(physics == abilities.TAPER for _, physics in missing):
+                remedy += ", or give rod.in_steps(n)"
+            problems: Problems = []
+            for path, physics in missing:
+                problems.append((path, f'method "{method}" has no {physics}; {remedy}'))
+            raise_if_problems(problems)
         self._check_options_of(method)
         if self.until is None and abilities.has_external_drive(system):
             raise invalid_argument(
@@ -260,8 +261,9 @@ class Options(FrozenDataclass):
     def _run_checked(self, method: str, system: System, report: ProgressReport) -> Run:
         """Run a single collision, as `run`; the arguments are not checked.
 
-        If single entries, see `_why`, kept ``"auto"`` from a faster method, the status
-        of the run also says which entry and which method.
+        If only some entries of the system, such as its gravity, kept ``"auto"`` from
+        the fastest method, the status of the run also says which entries, and which
+        method ran; see `_why`.
         """
         # Options that only this method, or some methods, take
         own_options = {name: getattr(self, name) for name in METHODS[method].takes}
@@ -356,7 +358,8 @@ def _snapshots(
     may have a unit. If the value is neither, append a problem to `problems`, and return
     0.
     """
-    # If it is no number it may be times: the problem goes to a list that is dropped.
+    # A value that is no number may still be times, so that its problem does not count:
+    # it goes to a list of its own. The number is 0 then.
     number = checked_count([], "snapshots", value)
     if number > 0:
         return number

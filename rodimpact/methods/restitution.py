@@ -27,10 +27,10 @@ def no_restitution(
 ) -> str:
     """Why there is no coefficient of restitution; empty if there is one.
 
-    There is one if one contact alone can open, nothing else changes velocities, the
+    There is one if exactly one contact can open, nothing else changes velocities, the
     contact pressed, the collision is over, and the centres of mass approached each
-    other before. The sentence tells the first of these that fails, without a full stop
-    but for one in `status`.
+    other before. The sentence tells the first of these that fails. It ends without a
+    full stop, unless it ends with `status`.
 
     Parameters
     ----------
@@ -65,7 +65,7 @@ def no_restitution(
     elif contacts[k].episodes == 0:
         if closing < 0:
             reason = "nothing collided; the bodies move apart"
-        elif closing <= 0:  # it is 0
+        elif closing == 0:
             reason = "nothing collided; the bodies do not approach each other"
         else:
             reason = f"nothing collided; {status}"

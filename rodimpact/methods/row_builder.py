@@ -181,9 +181,10 @@ def add_end(row: Row, side: int, end: Any) -> None:
     set in `boundaries`: its name and the value of the end, 0 for ends without a value.
     """
     kind = BOUNDARIES[end.kind]
-    value = 0.0
     if end.kind in DRIVEN:
         value = end.value
+    else:
+        value = 0.0
     row.boundaries[side] = (kind, value)
     is_push = kind in ("none", "force")  # a given force, which is 0 at a free end
     if not is_push:

@@ -97,11 +97,11 @@ def least_impedance(row: Any) -> Any:
 def scale_of(row: Any) -> Any:
     """Scale of velocities of a row with rods, m/s; 0 where nothing moves or acts.
 
-    It is the spread of the velocities, plus c times the largest strain at t = 0 or of
-    an incoming wave, plus the largest force of a pushed end, a joint or an overlap at
-    t = 0 over the least impedance, plus g times the longest transit time.
+    It is the spread of the velocities, plus c times the largest strain at t = 0 or 2 c
+    times that of an incoming wave, plus the largest force of a pushed end, a joint or
+    an overlap at t = 0 over the least impedance, plus g times the longest transit time.
     """
-    strained = [0.0]  # wave speed times strain, m/s
+    strained = [0.0]  # velocities that strains make, m/s
     for body in row.system.bodies:
         if body.kind == "rod":
             c = largest([s.wave_speed for s in body.segments])
@@ -113,14 +113,15 @@ def scale_of(row: Any) -> Any:
             for force in extremes(value):
                 pushed.append(abs(force))
         elif kind == "absorbing":
-            factor = wave_of_strain(row, side)
+            factor = wave_of_strain(row, side)  # 2 c, on the left -2 c
             for strain in extremes(value):
                 strained.append(abs(strain * factor))
     for link in row.links:
         if link.law == Law.JOINT:
             pushed.append(abs(link.stiffness * link.stretch))
         elif link.law >= Law.SPRING:
-            # A compliant contact may begin with an overlap: a gap below 0.
+            # A compliant contact may begin with an overlap: a gap below 0. A minus
+            # alone would make -0.0 of a gap of 0.
             overlap = np.maximum(0.0 - link.gap, 0.0)
             pushed.append(link.stiffness * overlap**link.exponent)
     transit = largest([s.transit_time for s in row.segments])
@@ -133,9 +134,9 @@ def scale_of(row: Any) -> Any:
 def scale_without_rods(row: Any, time: Any) -> Any:
     """Scale of velocities of a row without rods, m/s; 0 where nothing moves or acts.
 
-    It is the spread of the velocities, plus those that gravity and pushed ends make in
-    a time, and those that the energy of joints and compliant contacts at t = 0 makes,
-    all of the least mass.
+    It is the spread of the velocities, plus g times the time, plus the velocities that
+    the least mass gets: F time/m from each pushed end, and sqrt(k d^(p + 1)/m) from
+    each joint or compliant contact that is stretched or overlaps by d at t = 0.
 
     Parameters
     ----------
@@ -143,9 +144,10 @@ def scale_without_rods(row: Any, time: Any) -> Any:
     time : float or array
         Time in which forces act, s.
     """
-    least_mass = np.inf  # where all masses are bonded to walls: forces move nothing
     if row.masses:
         least_mass = smallest(row.masses)
+    else:
+        least_mass = np.inf  # all masses are bonded to walls: forces move nothing
     scale = np.abs(row.system.gravity) * time
     for kind, value in row.boundaries:
         if kind == "force":
@@ -159,9 +161,9 @@ def scale_without_rods(row: Any, time: Any) -> Any:
             # A compliant contact may begin with an overlap.
             extension = np.maximum(-np.asarray(link.gap), 0.0)
         else:
-            continue
-        # The energy k d^(p + 1)/(p + 1) that the link stores at t = 0 moves a mass. The
-        # factor 2/(p + 1) of m v^2 does not matter for a scale.
+            continue  # rigid contacts, bonds and pushes store no energy
+        # The energy k d^(p + 1)/(p + 1) becomes m v^2/2. The factor 2/(p + 1) of v^2
+        # does not matter for a scale.
         stored = link.stiffness * extension ** (link.exponent + 1)
         scale = scale + np.sqrt(stored / least_mass)
     return scale
@@ -189,10 +191,10 @@ def beyond_scales(row: Any) -> list[tuple[Any, str, str]]:
 def energy_problem(row: Any) -> tuple[Any, str, str]:
     """Whether energies or forces of a row overflow or vanish, path and sentence.
 
-    The first of the three is True, in a family an array of bool, where there is the
-    problem: energies m v^2 and squares of forces Z v, v the velocity scale, must be
-    between the bounds of floats, and far from both. A scale of 0 is no problem. The
-    path is "bodies".
+    The first of the three is True where they do, in a family an array of bool. With the
+    velocity scale v, the heaviest mass m and the largest impedance Z, the energy m v^2
+    and the square of the force Z v must be between the bounds of floats, and far from
+    both. A scale of 0 is no problem. The path is "bodies".
     """
     scale: Any = row.scale
     heaviest: Any = largest([*row.masses, *(s.mass for s in row.segments)])
@@ -219,8 +221,9 @@ def stiffness_problems(row: Any) -> list[tuple[Any, str, str]]:
     """For each contact with a law: whether it is as good as rigid, path and sentence.
 
     Its stiffness, k d^(p - 1) at d = velocity scale times longest transit, is compared
-    with impedance over transit. Where the ratio exceeds `LARGEST_STIFFNESS` or is nan,
-    the first of the three is True, in a family an array of bool.
+    with that of the rods, the least impedance over that transit. Where the ratio
+    exceeds `LARGEST_STIFFNESS` or is nan, the first of the three is True, in a family
+    an array of bool.
     """
     transit: Any = largest([s.transit_time for s in row.segments])
     problems = []

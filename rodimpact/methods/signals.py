@@ -261,7 +261,7 @@ class Pieces:
             return up_to_piece[i] + self.values[i] * (ticks - self.ticks[i])
         # `_own_time` stops at both ends of a piece: this ends where the pieces do.
         in_piece = _polynomials(coefficients, i, self._own_time(i, ticks))
-        # Ticks since the end, or below 0 from the start on, where it stays constant
+        # Ticks after the end, or before the start (below 0), where it stays constant
         outside = ticks - np.clip(ticks, self.ticks[0], self.end)
         if np.any(outside):
             in_piece = in_piece + outside * self.at(ticks)

@@ -44,8 +44,9 @@ def describe_end(
 ) -> RunEnd:
     """Why a run ended, as a statement and advice.
 
-    There is advice, which argument would let the run go on to the proof or beyond the
-    cap, only where that helps: else it is "". The page has this as JavaScript.
+    The advice names the argument that would let the run go on to the proof, or beyond
+    the cap; where none would, it is "". The page of `explorer` has this function as
+    JavaScript.
 
     Parameters
     ----------

@@ -149,10 +149,11 @@ def assign_ticks(durations: Sequence[Duration], bits: int, drive_count: int = 0)
     """Set `ticks` of each duration, and return those of the longest, about 2^bits.
 
     A tick is the longest duration that is no time of a drive, divided by the number
-    returned. The class of the longest is exact, and simple fractions of its unit are
-    whole ticks too, for gaps that close there. A further class keeps its ratios while
-    its unit has at least 2^40 ticks, to which the unit is rounded. The other durations
-    are rounded singly, by at most half a tick.
+    returned. Durations in simple ratios are a class, whose members are whole multiples
+    of its unit. The class of the longest is exact, and simple fractions of its unit are
+    whole ticks too, for gaps that close there. The unit of a further class is rounded
+    to whole ticks, at least 2^40. A duration in no class is rounded singly, by at most
+    half a tick.
 
     Parameters
     ----------
@@ -172,33 +173,31 @@ def assign_ticks(durations: Sequence[Duration], bits: int, drive_count: int = 0)
             continue
         # Ticks of the leader before they are rounded; 0 for the first class
         exact_ticks = leader.time / longest_time * longest_ticks
-        max_parts = MAX_PARTS
-        if start > 0:
-            max_parts = int(exact_ticks / MIN_UNIT)  # a part has MIN_UNIT ticks or more
-        parts = 0  # of the leader; 0 if it leads no class
-        if max_parts > 0:
-            parts = find_class(durations, start, max_parts)
-        unit = 0  # ticks of a part
         if start == 0:
-            rounded_unit = ((1 << bits) + parts // 2) // parts  # 2^bits/parts
-            unit = max(1, rounded_unit)
-            # A multiple of DIVISIBLE is less by 1/DIVISIBLE of the unit at most.
+            max_parts = MAX_PARTS
+        else:
+            max_parts = int(exact_ticks / MIN_UNIT)  # a part has MIN_UNIT ticks or more
+        if max_parts == 0:  # it is too short to lead a class: it is rounded singly
+            leader.ticks = int(exact_ticks + 0.5)
+            leader.q = -1  # it has its ticks
+            continue
+        parts = find_class(durations, start, max_parts)
+        # Ticks of a part, the unit of the class
+        if start == 0:
+            unit = max(1, ((1 << bits) + parts // 2) // parts)  # 2^bits/parts, rounded
             if unit > DIVISIBLE * DIVISIBLE:
+                # The multiple of DIVISIBLE below is less by 1/DIVISIBLE of it at most.
                 unit -= unit % DIVISIBLE
             longest_ticks = unit * parts
-        elif parts > 0:
+        else:
             unit = int(exact_ticks / parts + 0.5)  # rounded
-        if unit == 0:  # the class has no exact ratio: its leader is rounded singly
-            leader.ticks = int(exact_ticks + 0.5)
-            leader.q = -1
-            continue
         for i in range(start, len(durations)):
             member = durations[durations[i].sorted_index]
-            # The leader has `parts` parts of `unit` ticks, a member of its class p/q of
-            # them. Durations that are no members have q = 0, or q < 0 with their ticks.
+            # A member, the leader with 1/1 too, has p/q of the `parts` parts of the
+            # leader. Others have q = 0, or q < 0 if they have their ticks.
             if member.q > 0:
                 member.ticks = unit * (parts // member.q) * member.p
-                member.q = -1
+                member.q = -1  # it has its ticks
     return longest_ticks
 
 
