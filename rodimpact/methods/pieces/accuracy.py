@@ -280,12 +280,12 @@ def wave_difference(fine: Ended, coarse: Ended) -> float:
 def momentum_error(fine: Ended) -> float:
     """Largest error of the velocity of a free group of bodies, over the velocity scale.
 
-    Its velocity by the waves in its rods, `group_velocity`, lacks what pieces have
-    lost. By Newton's law it is that at t = 0 plus (impulses from the left - impulses
-    from the right)/m. The difference is the error. Groups that a wall or an endless rod
-    holds are left out. The error is not known, and 0 returned, where a force acts on an
-    end of the row, and where the cap on steps ended the run: its nodes are at different
-    times.
+    The error is the difference of two velocities of a group: `group_velocity`, by the
+    waves in its rods, which lacks what pieces have lost, and by Newton's law the one at
+    t = 0 plus (impulses from the left - impulses from the right)/m. Groups that a wall
+    or an endless rod holds are left out. 0 is returned where the error is not known: if
+    a force acts on an end of the row, or the cap on steps ended the run, as its nodes
+    are at different times then.
     """
     run = fine.run
     for link in fine.links:
@@ -312,8 +312,8 @@ def momentum_error(fine: Ended) -> float:
                     momentum += link.impulse
                 if link.left_group == first:
                     momentum -= link.impulse
-            velocity = head.initial_velocity + momentum / mass
-            worst = max(worst, abs(head.group_velocity - velocity))
+            newton_velocity = head.initial_velocity + momentum / mass
+            worst = max(worst, abs(head.group_velocity - newton_velocity))
     return worst / run.velocity_scale
 
 
@@ -322,14 +322,15 @@ def errors_of_two_runs(fine: Ended, coarse: Ended) -> list[float]:
 
     It is DIFFERENCE_FACTOR times the difference of both runs in this measure, or times
     a share of the worst difference, if that is larger: two numbers may agree by chance.
-    The worst is that of velocities, impulses, peak forces, or waves in rods. A relative
-    error of velocities moves an event by this part of its `event_lag`, so that the
-    share is larger for short times. The error of pieces that no tolerance limits, which
-    both runs have in common, is added. An error is 0 where all values of the measure
-    are.
+    The worst is that of velocities, impulses, peak forces, or waves in rods. The share
+    is larger for durations and times that are shorter than `event_lag`: an error of
+    velocities, relative to their scale, moves an event by this part of its lag. The
+    error of pieces that no tolerance limits, which both runs have in common, is added.
+    An error is 0 where all values of the measure are.
     """
-    apart = differences(fine, coarse)  # by measure
-    shared = SHARED_FACTOR * fine.run.shared_error / fine.run.velocity_scale
+    apart = differences(fine, coarse)  # relative, by measure
+    common = SHARED_FACTOR * fine.run.shared_error / fine.run.velocity_scale
+    # Velocities that disagree with the impulses are as wrong as that.
     apart[VELOCITY] = max(apart[VELOCITY], momentum_error(fine))
     worst = max(
         apart[VELOCITY],
@@ -341,12 +342,13 @@ def errors_of_two_runs(fine: Ended, coarse: Ended) -> list[float]:
     errors = []
     for i, values in enumerate(measures_of(fine)):
         largest = max_abs(values)
-        error = 0.0
+        share = LEAST_SHARE
+        if i >= UNTIMED_MEASURES and largest > 0:  # durations and times
+            share *= max(1.0, lag / largest)
         if largest > 0:
-            share = LEAST_SHARE
-            if i >= UNTIMED_MEASURES:  # durations and times
-                share *= max(1.0, lag / largest)
-            error = DIFFERENCE_FACTOR * max(apart[i], share * worst) + shared
+            error = DIFFERENCE_FACTOR * max(apart[i], share * worst) + common
+        else:
+            error = 0.0
         errors.append(error)
     return errors
 

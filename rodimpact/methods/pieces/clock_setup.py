@@ -179,8 +179,8 @@ def family_clock(
     crossing_times = row.of(crossing_time)
     flight_times = row.of(flight_time)
     segment_count = len(transits)
-    tick: Any = np.zeros(row.members)  # duration of a tick, s
-    end: Any = np.zeros(row.members)  # end of the run, s
+    tick_by_member = np.zeros(row.members)  # duration of a tick, s
+    end_by_member = np.zeros(row.members)  # end of the run, s
     transit_ticks = np.zeros((segment_count, row.members), np.int64)
     counted: list[int] = []  # the times of one member in ticks
     for m, times in enumerate(times_of_members):
@@ -188,19 +188,21 @@ def family_clock(
         if until is None:
             crossing = float(crossing_times[m])
             flight = float(flight_times[m])
-            end[m] = rule.default_horizon(longest, crossing, flight, 1.0)
+            end = rule.default_horizon(longest, crossing, flight, 1.0)
         else:
-            end[m] = until
-        tick[m], counted = member_clock(row, times, longest, float(end[m]))
+            end = until
+        end_by_member[m] = end
+        tick_by_member[m], counted = member_clock(row, times, longest, float(end))
         transit_ticks[:, m] = counted[:segment_count]
+    # The clock has arrays of the shape of the family.
     shape = row.system.shape
-    tick = tick.reshape(shape)
-    last_tick: Any = np.rint(end.reshape(shape) / tick)
+    tick: Any = tick_by_member.reshape(shape)
+    last_tick: Any = np.rint(end_by_member.reshape(shape) / tick)
     by_segment: Any = [*transit_ticks.reshape((segment_count, *shape))]
     if not row.segments:
         refuse_short_contacts(row, tick)
     clock = Clock(row, tick, by_segment, row.frame, scale, reference, last_tick)
-    # Only a single row, not a family, has states that jump: `counted` is that of its
-    # only member.
+    # Only a single row, not a family, has states that jump: its only member was the
+    # last one in the loop, so that `counted` is of it.
     jump_ticks = counted[segment_count:]
     return clock, dict(zip(jumps, jump_ticks, strict=True))

@@ -209,9 +209,9 @@ class Members:
     def run_member(self, member: int = 0, report: ProgressReport = no_report) -> None:
         """Run a member to its end, or to the limit of steps, and store its records.
 
-        It runs in slices of steps, each of which ends with CAP until the run has come
-        to its end. After each such slice the steps are reported, and the run may change
-        from plain Python to machine code.
+        It runs in slices of steps. A slice before the end of the run stops with CAP:
+        then the steps are reported, and the run may change from plain Python to machine
+        code.
         """
         batch = self.batch
         batch.choose_form(MIN_RUN_TIME)  # plain Python, until machine code pays
@@ -220,8 +220,9 @@ class Members:
         steps = 0  # done so far
         stop = Stop.CAP
         while stop == Stop.CAP and steps < limit:
-            slice_steps = COMPILED_STEPS
-            if not batch.is_compiled:
+            if batch.is_compiled:
+                slice_steps = COMPILED_STEPS
+            else:
                 # Each slice is half as long as all before it: few decisions, none late
                 slice_steps = max(PLAIN_STEPS, steps // 2)
             self._set_limit(min(limit, steps + slice_steps))

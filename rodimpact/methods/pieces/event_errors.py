@@ -15,12 +15,13 @@ def record_event(run: Run, links: Links, node: Node, event: Event, h: float) -> 
 
     The event is in a piece of duration h, s: a zero of each guard that leads to its
     status. `event_error` is raised to the time by which the error of the polynomial of
-    the guard moves this zero, or to all of h if the guard changes by less than that.
+    the guard moves this zero. A guard that changes by less than that error in the piece
+    raises it to all of h, and leaves `event_lag` as it is.
 
-    `event_lag` is raised to the time by which wrong velocities before move the zero, if
-    they are wrong by the velocity scale. With velocities wrong by v a force is wrong by
-    v/Y, and an overlap by v times `overlap_memory`. A guard that barely changes leaves
-    it as it is. The scratch arrays of the node are overwritten.
+    `event_lag` is raised to the time by which the zero moves if the velocities before
+    are wrong by the velocity scale. With velocities wrong by v a force is wrong by v/Y,
+    and an overlap by v times `overlap_memory`. The scratch arrays of the node are
+    overwritten.
     """
     link = links[event.link]
     for which in range(contact_laws.guard_count(link)):
@@ -31,11 +32,11 @@ def record_event(run: Run, links: Links, node: Node, event: Event, h: float) -> 
             # dg/dt, as y goes from -1 to 1 in the time h
             rate = abs(series.slope(node.scratch_series, event.position)) * 2 / h
             if error < rate * h:
-                # A guard of velocities or forces, which is in units of their scale, is
-                # wrong by 1 for a v of the scale.
+                # For a v of the velocity scale a guard of velocities or forces, which
+                # is in units of their scale, is wrong by 1.
                 lag = 1 / rate
-                # One of overlaps is wrong by v times the memory, over its own scale.
                 if contact_laws.follows_overlap(link, which):
+                    # A guard of overlaps is wrong by v times the memory, over `length`.
                     length = event_location.guard_length(run, h)
                     lag *= run.velocity_scale * overlap_memory(run, link) / length
                 link.event_error = max(link.event_error, error / rate)
@@ -52,8 +53,9 @@ def overlap_memory(run: Run, link: Link) -> float:
     """
     transit = run.shortest_transit * run.tick_duration
     overlap = link.overlaps[0]
-    undone_rate = link.mobility * link.force[0]
-    memory = transit
-    if overlap > 0 and undone_rate * transit > overlap:
-        memory = overlap / undone_rate
+    undoing_rate = link.mobility * link.force[0]  # Y F, m/s: the force undoes it by it
+    if overlap > 0 and undoing_rate * transit > overlap:
+        memory = overlap / undoing_rate
+    else:
+        memory = transit
     return float(memory)

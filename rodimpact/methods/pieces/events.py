@@ -29,11 +29,11 @@ RESTING_RTOL = 1e-8
 def apply_transition(state: State, node: Node, tick: int, i: int, status: int) -> None:
     """Change the status of link i of a node at a tick, and its state with it.
 
-    The overlap of a contact that opens or closes is 0; `overlap_acceleration` is 0
-    after any change. Rigid bodies that close strike, which decides their status anew.
-    What stops to yield gets the yield force that it has reached; what starts to, or
-    comes to a knot of its table, gets exactly the overlap there, and the hardening
-    after a knot. `break_order` is 0 if the force may jump, else 1.
+    A contact that opens or closes gets the overlap 0. Rigid bodies that close strike,
+    which decides their status anew. A contact that begins to yield, or comes to a knot
+    of its table, gets exactly the overlap of that force; at a knot also its yield force
+    and hardening. One that stops to yield gets the yield force that it has reached.
+    `break_order` is 0 if the force may jump, else 1; `overlap_acceleration` is 0.
     """
     run = state.runs[0]
     # Machine code counts no references to borrowed arrays.
@@ -47,8 +47,7 @@ def apply_transition(state: State, node: Node, tick: int, i: int, status: int) -
     link.overlap_acceleration = 0.0
     if status == Status.OPEN or old == Status.OPEN:
         link.overlap = 0.0
-    # The event is rounded to a tick:
-    # forces at which a law changes are exact all the same.
+    # The event is rounded to a tick, but the overlap at which a law changes is exact.
     if old == Status.PLASTIC and status == Status.PLASTIC:  # a knot of the table
         link.overlap = link.knots[link.next_knot] / link.stiffness
         link.yield_force = link.stiffness * link.overlap
@@ -122,12 +121,12 @@ def resolve_impacts(
 
     Each takes the least impulse J >= 0 that leaves it a closing of at most -e times the
     one before (Moreau, in CISM 302, 1988), by Gauss-Seidel sweeps, MAX_SWEEPS at most.
-    Bodies that would part too slowly to matter come to rest. Velocities of masses,
-    states of the links and the log of contacts are set.
+    Bodies that would part too slowly to matter come to rest. Velocities of masses are
+    changed; `finish_impact` sets the status and totals of the links, and logs them.
 
     Meanwhile `force[0]` of a striking link is its impulse, N s, `closing[0]` the
-    closing velocity before and `closing_after` the one that is wanted; `unknown_index`
-    is NONE at the other links.
+    closing velocity before and `closing_after` the largest that is allowed afterwards;
+    `unknown_index` is NONE at the other links.
     """
     # Which links strike, and what closing they are to have afterwards
     for q in range(node.link_count):
@@ -137,14 +136,16 @@ def resolve_impacts(
         if link.law == Law.IMPACT and is_touching:
             link.unknown_index = q
             closing = closing_of(masses, node, q)
-            link.closing_after = 0.0  # also where bodies part already
+            # Velocity of parting afterwards; 0 where bodies part already
+            parting = 0.0
             if closing > 0:
-                link.closing_after = -link.restitution * closing
-            parting = -link.closing_after
+                parting = link.restitution * closing
             if parting <= RESTING_RTOL * run.velocity_scale:  # too slow to matter
                 run.resting_velocity = max(run.resting_velocity, parting)
                 link.closing_after = 0.0
-            link.force[0] = 0.0
+            else:
+                link.closing_after = -parting
+            link.force[0] = 0.0  # its impulse so far
             link.closing[0] = closing
     # Sweeps: each impulse in turn is changed until no closing is too large
     for _ in range(MAX_SWEEPS):
@@ -152,11 +153,11 @@ def resolve_impacts(
         for q in range(node.link_count):
             link = links[node.first_link + q]
             if link.unknown_index != NONE:
-                # Closing that a unit impulse takes away
+                # Closing that a unit impulse takes away, 1/kg: 1/m + 1/m of both bodies
                 velocity_by_impulse = inverse_mass(masses, node, q - 1)
                 velocity_by_impulse += inverse_mass(masses, node, q)
                 excess = closing_of(masses, node, q) - link.closing_after
-                # The change of the impulse `force[0]`, which stays at 0 or above
+                # Change of the impulse `force[0]`, which stays at 0 or above, N s
                 step = max(excess / velocity_by_impulse, -link.force[0])
                 link.force[0] += step
                 apply_impulse(masses, node, q, step)
@@ -175,20 +176,21 @@ def finish_impact(
 ) -> None:
     """Set the status of link i after an impact; log its impulse.
 
-    The impact left the velocity `closing`, m/s. The contact is open (OPEN); or at rest
-    (REST) if the bodies do not part, or so slowly that it does not matter. Its overlap
-    and break order become 0. A strike is logged, and counted in the totals of the link
-    and the run. A contact that got no impulse (`force[0]`, N s) did not strike: it is
-    not logged.
+    The impact left the velocity `closing`, m/s. The contact is at rest (REST) if the
+    bodies do not part, or so slowly that it does not matter; else it is open (OPEN).
+    Its overlap and break order become 0. A strike is logged, and counted in the totals
+    of the link and the run. A contact that got no impulse (`force[0]`, N s) did not
+    strike: it is not logged.
     """
     struck = link.force[0] > 0
     link.overlap = 0.0
     link.break_order = 0
-    link.status = Status.OPEN.value
     if closing >= -RESTING_RTOL * run.velocity_scale:  # the bodies do not part
         link.status = Status.REST.value
         run.resting_impacts += struck  # one more if it struck
         run.resting_velocity = max(run.resting_velocity, -closing)
+    else:
+        link.status = Status.OPEN.value
     if struck:
         link.impulse += link.force[0]
         log_contact_change(run, contact_log, link, i, tick, Status.PRESS.value)
@@ -205,9 +207,10 @@ def record_piece(state: State, node: Node, ticks: int) -> None:
     """Take the piece of a node that was solved, of `ticks` from now, as done.
 
     The state of each link and mass becomes that at its end. Of the links, impulse, peak
-    force, `force_ticks`, `faint_ticks` and `fading_ticks` are continued, and a change
-    of touching is logged. Forces, overlaps and velocities are appended to the lines of
-    the history, if the run keeps it. `now` of the node stays.
+    force, `force_ticks`, `faint_ticks` and `fading_ticks` are continued. A change of a
+    contact between pressing, touching and open is logged; a force that was faint until
+    now counts from when it began. Forces, overlaps and velocities are appended to the
+    lines of the history, if the run keeps it. `now` of the node stays.
     """
     run = state.runs[0]
     h = ticks * run.tick_duration
@@ -216,13 +219,13 @@ def record_piece(state: State, node: Node, ticks: int) -> None:
         if run.keeps_history:
             keep_history(state, node, link, ticks)
         set_end_state(link, h)
-        # What the contact did in this piece, as it is logged: unless it presses, see
-        # below, it was open or only touched.
+        # What the contact did in this piece, as it is logged, and since which tick: it
+        # was open or only touched, unless it presses (below).
         if link.status == Status.OPEN:
             touch = Status.OPEN.value
         else:
             touch = Status.GRAZE.value
-        touch_start = node.now  # since when it did that
+        touch_start = node.now
         if link.status != Status.OPEN and link.status != Status.GRAZE:  # a force acts
             # The integral is over y, which runs through 2 in the time h.
             link.impulse += 0.5 * h * series.integral(link.force)
@@ -235,15 +238,14 @@ def record_piece(state: State, node: Node, ticks: int) -> None:
             is_contact = link.status >= Status.PRESS  # no bond, joint or push
             if is_contact and presses(run, link, largest, overlap):
                 touch = Status.PRESS.value
-                link.fading_ticks = 0
-                # The piece may end with a force that counts as none.
-                presses_at_end = presses(run, link, link.force[N], link.overlaps[N])
-                if not presses_at_end:
-                    link.fading_ticks = ticks
-                # A force that was faint until now has begun when the contact closed;
-                # NONE, which is below 0, is a faint force that does not count.
+                # A force that was faint until now has begun when the contact closed.
+                # `faint_ticks` is NONE, below 0, if that does not count.
                 touch_start -= max(link.faint_ticks, 0)
                 link.force_ticks += node.now + ticks - touch_start
+                if presses(run, link, link.force[N], link.overlaps[N]):
+                    link.fading_ticks = 0
+                else:  # the force has become faint by the end of the piece
+                    link.fading_ticks = ticks
         can_open = link.law >= Law.RIGID  # no bond, push or joint
         if can_open and touch != link.logged_status:
             log_contact_change(
@@ -338,8 +340,9 @@ def log_contact_change(
     """Log that link i presses, only touches or is open from a tick on.
 
     `touch` is the status: PRESS, GRAZE or OPEN. A row is appended to the log, with
-    impulse 0. The link gets `logged_status`; its first and last force, episodes, last
-    opening and `cut_ticks`, the time cut from forces, are continued.
+    impulse 0. The link gets `logged_status`; its first and last force, episodes and
+    last opening are continued. Where a force ends faintly, `cut_ticks` grows by the
+    time for which its end is uncertain.
     """
     if touch == Status.PRESS:
         if link.first_force_tick == NONE:
@@ -349,14 +352,15 @@ def log_contact_change(
     elif link.logged_status == Status.PRESS:
         link.last_force_tick = tick
         if link.status >= Status.PRESS:  # the force has become faint
-            # Its last piece counts no longer.
+            # It did so somewhere in the last piece, of `fading_ticks`.
             link.cut_ticks += link.fading_ticks
     if touch == Status.OPEN:
-        # It pressed in this episode, and its force was faint in the end.
-        is_faint = link.logged_status == Status.GRAZE and link.starts_episode == 0
-        if is_faint and link.law >= Law.SPRING and link.damping == 0:
+        # It pressed in this episode, but only touched in the end.
+        was_faint = link.logged_status == Status.GRAZE and link.starts_episode == 0
+        if was_faint and link.law >= Law.SPRING and link.damping == 0:
             # A compliant contact without damping presses until it opens: its last force
-            # was logged too early by this time. Its fading was cut when it was logged.
+            # was logged too early by the time since then. This time takes the place of
+            # `fading_ticks`, which were cut when it was logged.
             link.cut_ticks += tick - link.last_force_tick - link.fading_ticks
         link.starts_episode = 1
         link.last_opening_tick = tick
@@ -374,10 +378,10 @@ def keep_history(state: State, node: Node, link: Link, ticks: int) -> None:
     """Append what a link did in a piece of `ticks` to the lines of its history.
 
     The piece begins at `now` of the node. The lines follow each other from
-    `link.history_line` on: the force; of joints and contacts the overlap d; of what
-    yields also the closing velocity closing - Y F, as d is the elastic overlap alone
-    there, and the plastic one grows, too. The scratch arrays of the node are
-    overwritten.
+    `link.history_line` on: the force; of joints and contacts the overlap d; of contacts
+    that yield the closing velocity closing - Y F. The last one is kept as it is not the
+    rate of d, which is the elastic overlap alone there. The scratch arrays of the node
+    are overwritten.
     """
     run = state.runs[0]
     all_lines = state.lines

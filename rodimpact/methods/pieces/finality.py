@@ -61,13 +61,14 @@ def check_finality(state: State, tick: int) -> None:
                 parts[i].initial_velocity = parts[i].group_velocity
         elif wants_proof:
             wait = time_until_over(run, state.links, parts)
-            # However long the wait is, the tick of the next look stays below NEVER.
-            ticks = int(min(wait / run.tick_duration, 0.5 * NEVER)) + 1
-            run.next_proof_tick = tick + max(run.proof_interval, ticks)
             if wait == 0:  # it is proved
                 run.proved_tick = tick
                 run.next_proof_tick = NEVER
                 run.end_tick = min(run.end_tick, tick + run.ticks_after_proof)
+            else:
+                # However long the wait is, the tick of the next look is below NEVER.
+                ticks = int(min(wait / run.tick_duration, 0.5 * NEVER)) + 1
+                run.next_proof_tick = tick + max(run.proof_interval, ticks)
         run.last_proof_tick = tick
     if tick >= run.end_tick:
         run.stop_reason = Stop.DONE.value
@@ -134,10 +135,12 @@ def time_until_apart(
     count as 0.
     """
     opening = right.reference_velocity - left.reference_velocity
-    least_opening = -math.inf  # least velocity with which the two faces can part
-    # Ends that move with no velocities but those of the waves
+    # Least velocity with which the two faces can part, known if both have no velocities
+    # but those of the waves
     if left.ends_follow_waves and right.ends_follow_waves:
         least_opening = right.min_wave - left.max_wave
+    else:
+        least_opening = -math.inf
     # Gap between the mean motions: the faces are beside these by their deviations. The
     # right end (1) of the left group faces the left end (0) of the right one.
     mean_gap = left.end_deviations[1] - right.end_deviations[0] - link.overlap
@@ -184,8 +187,8 @@ def update_groups(state: State, tick: int) -> None:
         momentum = 0.0
         mass = 0.0
         for k in range(first, stop):
-            # This is for the mean velocity alone:
-            # the energy about that of the group comes below.
+            # Only the mean velocity counts here. Energies and moments follow below,
+            # when the velocity of the group is known.
             update_part(state, parts[k], 0.0, tick)
             momentum += parts[k].mass * parts[k].mean_velocity
             mass += parts[k].mass
@@ -198,8 +201,8 @@ def update_groups(state: State, tick: int) -> None:
             piece = state.log[state.lines[group.anchor_line].read_piece]
             y = 2 * (tick - piece.start) / (piece.end - piece.start) - 1
             group.reference_velocity = lines.at(piece, y)
-        # Energy about the reference motion: m (v - v_ref)^2/2, and that of the
-        # vibration about v.
+        # The energy about the reference motion is m (v - v_ref)^2/2, v the velocity of
+        # the group, plus the vibration energy of the parts about v, added below.
         excess = group.group_velocity - group.reference_velocity
         group.reference_energy = mass * (excess * excess) / 2
         group.min_wave = group.reference_velocity
@@ -251,40 +254,47 @@ def set_end(state: State, first: int, stop: int, mass: float, side: int) -> None
 
     The group has the parts from `first` to before `stop`, and a `mass`, kg; `side` is 0
     for its left end, 1 for its right one. The deviation is the displacement of the end
-    from the reference motion now, m: the integral of g strain dx over the group, as the
-    left end moves to the left if the group stretches. g is the mass fraction beyond x
-    as seen from the end, or 1 in a group with an anchor. Later the end deviates by
-    sqrt(2 E s) at most, with the energy E about the reference motion and the compliance
-    integral s, m/N.
+    from the reference motion now, m: the integral of g strain dx over the group, with a
+    minus at the left end, which stretching moves to the left. g is the mass fraction
+    beyond x as seen from the end; it is 1 if a wall or an endless rod anchors the group
+    (then the numbers of the anchored end itself mean nothing).
+
+    Later the end deviates by sqrt(2 E s) at most, with the energy E about the reference
+    motion and the compliance integral s, m/N. Segments give s the integral of
+    g^2 dx/(E A), joints with a spring k give g^2/k. The most that dashpots alone
+    stretch is added to the deviation. An endless rod makes s very large.
     """
     group = state.parts[first]
     is_anchored = group.anchor_line != NONE
     # Stretching moves the left end to the left, the right one to the right
     sign = 2 * side - 1
-    passed = 0.0  # mass of the parts so far
+    passed = 0.0  # mass of the parts so far, kg
     deviation = 0.0
-    compliance = 0.0  # s of elastic parts: the integral of g^2 dx/(E A)
-    stretch = 0.0  # largest stretch of dashpots, over sqrt(2 E)
+    compliance = 0.0  # s without dashpots
+    dashpot_reach = 0.0  # largest stretch of all dashpots, over sqrt(2 E)
     for k in range(first, stop):
         part = state.parts[k]
         before = passed
         passed += part.mass
-        g0 = 1.0  # mass fraction beyond the left end of the part
-        g1 = 1.0  # beyond its right end
-        if not is_anchored:  # beyond means: to the left, as seen from the right end
+        # g0 at the left end of the part, g1 at its right end
+        if is_anchored:
+            g0 = 1.0
+            g1 = 1.0
+        elif side == 0:  # as seen from the left end, beyond is to the right
+            g0 = 1 - before / mass
+            g1 = 1 - passed / mass
+        else:
             g0 = before / mass
             g1 = passed / mass
-        if not is_anchored and side == 0:  # and to the right, as seen from the left end
-            g0 = 1 - g0
-            g1 = 1 - g1
         if part.kind == Part.SEGMENT:
             transit = state.runs[0].tick_duration * state.lines[2 * part.index].delay
+            # The integral of g strain dx is over the transit time, m/s.
             deviation += sign * strain_integral(part, g0, g1) * transit
             # The mean of g^2 where g is linear is (g0^2 + g0 g1 + g1^2)/3.
             compliance += part.compliance * (g0 * g0 + g0 * g1 + g1 * g1) / 3
         elif part.kind == Part.JOINT:  # it has no mass: g0 and g1 are equal
             joint = state.links[part.index]
-            if part.compliance > 0:  # it has a spring
+            if part.compliance > 0:  # it has a spring, which stretches by -overlap
                 deviation -= sign * joint.overlap * g0
                 compliance += part.compliance * (g0 * g0)
             else:
@@ -292,11 +302,12 @@ def set_end(state: State, first: int, stop: int, mass: float, side: int) -> None
                 # A momentum of the mass m is sqrt(2 E m) at most, its change is twice
                 # that, and the stretch 2 sqrt(2 E m)/c.
                 heavier_side = max(passed, mass - passed)
-                stretch += 2 * g0 * math.sqrt(heavier_side) / joint.damping
+                dashpot_reach += 2 * g0 * math.sqrt(heavier_side) / joint.damping
         elif part.kind == Part.ENDLESS:
-            compliance = part.compliance  # so large that no force holds its end
-    if stretch > 0:  # both bounds add: the end moves by sqrt(2 E) reach at most
-        reach = math.sqrt(compliance) + stretch
+            # It replaces what the parts before gave: nothing counts beside it.
+            compliance = part.compliance
+    if dashpot_reach > 0:  # both bounds add: the end moves by sqrt(2 E) reach at most
+        reach = math.sqrt(compliance) + dashpot_reach
         compliance = reach * reach
     group.end_deviations[side] = deviation
     group.compliance_integrals[side] = compliance
@@ -338,7 +349,8 @@ def bound_end_velocities(state: State, first: int, stop: int) -> None:
             reflected_max = 2 * group.reference_velocity - group.min_wave
             group.min_wave = min(group.min_wave, reflected_min)
             group.max_wave = max(group.max_wave, reflected_max)
-    # A group of no segment may be a wall only.
+    # A segment alone or between walls and endless rods. A group without a segment may
+    # be a wall only.
     has_at_most_a_segment = segments <= 1 and other_parts == 0
     group.ends_follow_waves = has_at_most_a_segment or stop - first == 1
 

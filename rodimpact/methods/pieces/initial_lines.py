@@ -182,16 +182,16 @@ class InitialLines:
     ) -> Any:
         """Pieces, [piece], that fit a signal between two ticks.
 
-        The signal is the sum of `profiles`, each with its factor in m/s. Polynomials
-        along a rod are the state of an earlier run: they are kept but for round-off.
-        All else, also those of a drive (`is_drive`), is fitted within a quarter of the
-        tolerance. Two errors, over the velocity scale, are raised: `fit` by the largest
+        `signal`, m/s, is already the sum of `profiles` times their factors; the
+        profiles only give their kinds and their errors. Polynomials along a rod are the
+        state of an earlier run: they are kept but for round-off. All else, also those
+        of a drive (`is_drive`), is fitted within a quarter of the tolerance. Two
+        attributes, errors over the velocity scale, are raised: `fit` by the largest
         miss and by the errors of samples, `carried` by the errors of polynomials.
         """
         scale = float(self._clock.scale)
         # A quarter of the tolerance of pieces, m/s
         tolerance = self._request.tolerance * scale / 4
-        # Polynomials along a rod are the state of an earlier run.
         has_polynomials = any(isinstance(p, Polynomials) for p, _ in profiles)
         is_state = has_polynomials and not is_drive
         if is_state:
@@ -214,9 +214,9 @@ class InitialLines:
     def _add_under_way(self, s: int, rod: Any, begin: Any) -> None:
         """Add the lines of both waves in segment s at t = 0.
 
-        They are a = v - c strain and b = v + c strain, m/s, with the v and strain of
-        the rod. The segment begins in its rod at `begin`, m; v is the velocity in the
-        frame. Where they vary there is one member only.
+        They are a = v - c strain, to the right, and b = v + c strain, to the left, m/s,
+        with the strain of the rod and its velocity v in the frame. The segment begins
+        in its rod at `begin`, m. Where v or the strain vary there is one member only.
         """
         frame = self._clock.frame
         transit = self._clock.transits[s]
@@ -233,13 +233,14 @@ class InitialLines:
         T = int(transit)
         # The part of a at x reaches the right end at T - x/c: it left the left end x/c
         # before t = 0, so that time runs against x.
-        wave = (v + strain.times(-c)).plus(-frame)
-        pieces = self._fit_pieces(wave, 0, T, *profiles)
-        self._add(profile_pieces.backwards(pieces)[None])  # [member, piece]
+        a = (v + strain.times(-c)).plus(-frame)
+        mirrored_pieces = self._fit_pieces(a, 0, T, *profiles)
+        a_pieces = profile_pieces.backwards(mirrored_pieces)
+        self._add(a_pieces[None])  # [member, piece]
         # The part of b at x left the right end T - x/c before t = 0.
-        wave = (v + strain.times(c)).plus(-frame).later(-T)
-        pieces = self._fit_pieces(wave, -T, 0, *profiles)
-        self._add(pieces[None])
+        b = (v + strain.times(c)).plus(-frame).later(-T)
+        b_pieces = self._fit_pieces(b, -T, 0, *profiles)
+        self._add(b_pieces[None])
 
     def _ticks_in_segment(self, s: int, begin: Any) -> Callable[[Any], Ints]:
         """A function of places in a rod, m: the ticks that a wave takes to them.
@@ -360,8 +361,8 @@ class InitialLines:
             """Ticks from t = 0 to times, s."""
             return np.rint(t / tick).astype(np.int64)
 
-        drive = profile_pieces.signal_of(value, until, ticks_of)
-        drive = drive.times(float(signal.factor)).plus(float(signal.start))
+        given = profile_pieces.signal_of(value, until, ticks_of)
+        drive = given.times(float(signal.factor)).plus(float(signal.start))
         if signal.slope:
             ramp = np.array([0.0, signal.slope * stop * tick])  # values at 0 and `stop`
             drive = drive + Pieces.through([0, stop], ramp)

@@ -84,9 +84,10 @@ def piece_of(start: Any, stop: Any, values: Any) -> Any:
     piece.end = stop
     piece.break_order = SMOOTH
     piece.next = NONE
-    piece.degree = 0
     if len(values) > 1:
         piece.degree = N
+    else:
+        piece.degree = 0
     zeros = [0.0] * (POINTS - len(values))
     piece.coefficients = [*values, *zeros]
     return piece
@@ -143,10 +144,10 @@ def lay_out(
     links = make_links(row, clock, nodes, shortest * clock.tick)
     masses = make_masses(row, clock)
     parts = make_parts(row, nodes, links, outside)
-    count = len(initial_lines)
+    line_count = len(initial_lines)
     if request.keep:  # lines that keep forces, overlaps and velocities come behind
-        count = number_history_lines(links, masses, count)
-    lines = make_lines(clock, initial_lines, count)
+        line_count = number_history_lines(links, masses, line_count)
+    lines = make_lines(clock, initial_lines, line_count)
     run = make_run(row, clock, request, shortest, initial_lines)
     for part in parts:
         is_anchor = part.kind >= Part.WALL
@@ -154,8 +155,8 @@ def lay_out(
         # Something is joined to this wall or endless rod.
         if is_anchor and not is_alone:
             run.has_bonds = 1
-    goes_on = run.has_bonds or request.keep  # else the run ends with its proof
-    if request.until is None and goes_on:
+    goes_on_after_proof = run.has_bonds or request.keep
+    if request.until is None and goes_on_after_proof:
         longest = longest_body_time(row, clock, shortest)
         run.ticks_after_proof = TRANSITS_AFTER_PROOF * longest
     return [[run], nodes, links, masses, lines, parts]
@@ -195,7 +196,7 @@ def make_run(
 
     `shortest` is the shortest transit, ticks. The log has the pieces of
     `initial_lines`. The more hard breaks one of these has in a transit, the shorter is
-    `min_break_spacing`.
+    `min_break_spacing`. A run without a given end ends with its proof.
     """
     run = blank(1, RUN)[0]
     # Mean number of hard breaks in the shortest transit, on the line with the most
@@ -205,11 +206,11 @@ def make_run(
         if line.hard_breaks > 0:
             in_transit = np.floor(line.hard_breaks * (shortest / line.ticks))
             breaks_per_transit = np.maximum(breaks_per_transit, in_transit)
-    reference = clock.reference / clock.tick
+    reference = clock.reference / clock.tick  # ticks
     run.tick_duration = clock.tick
     run.velocity_scale = clock.scale
     run.tolerance = request.tolerance * clock.scale
-    # Number of pieces of the least duration, the floor, in the shortest transit
+    # `min_break_spacing`, the floor, is the shortest transit over this number.
     floors = FLOORS_PER_TRANSIT + FLOORS_PER_BREAK * breaks_per_transit
     run.min_break_spacing = np.maximum(shortest // floors, MIN_FLOOR)
     run.shortest_transit = shortest
@@ -217,14 +218,16 @@ def make_run(
     run.event_window = np.maximum(np.rint(reference * EVENT_WINDOW), 1)
     run.end_tick = clock.last_tick
     run.max_steps = request.limit
-    run.keeps_history = 0
     if request.keep:
         run.keeps_history = 1
+    else:
+        run.keeps_history = 0
     run.first_averaged_tick = NONE
     set_proof(run, row, shortest, np.rint(reference))
-    run.ticks_after_proof = NEVER  # a proof does not end a run to a given time
     if request.until is None:
         run.ticks_after_proof = 0
+    else:
+        run.ticks_after_proof = NEVER  # a proof does not end a run to a given time
     return run
 
 
@@ -325,16 +328,17 @@ def set_law(link: Any, row_link: Any, i: int) -> None:
     link.break_order = SMOOTH
     link.starts_episode = 1
     link.function = i
-    link.status = Status.BOND.value
     link.logged_status = Status.OPEN.value
-    for name in FIELDS:
+    for name in FIELDS:  # the law, its numbers and the gap
         setattr(link, name, getattr(row_link, name))
     link.overlap = -initial_gap(row_link)
     if link.law == Law.IMPACT:  # the first step strikes bodies that touch
         link.status = Status.OPEN.value
-    elif link.law >= Law.RIGID:  # a contact that can open
+    elif link.law >= Law.RIGID:  # another contact that can open
         is_open = row_link.gap > 0
         link.status = np.where(is_open, Status.OPEN.value, Status.PRESS.value)
+    else:
+        link.status = Status.BOND.value
 
 
 def set_mobility(link: Any, node: Any, q: int) -> None:
@@ -384,7 +388,7 @@ def number_history_lines(links: list[Any], masses: list[Any], first: int) -> int
 
     These lines begin with number `first`, and follow those that are there already. A
     link keeps its force; a joint or a contact also its overlap, which is minus the gap;
-    and what yields its closing velocity.
+    a contact that yields also its closing velocity. A mass keeps its velocity.
     """
     l = first
     for link in links:
@@ -404,8 +408,9 @@ def make_lines(clock: Clock, initial_lines: list[InitialLine], count: int) -> li
     """All lines, `count` of them.
 
     Those of `initial_lines` come first, the others have no pieces (NONE). Pieces at t =
-    0 stand at the beginning of the log, line by line; each line reads its first one.
-    The lines of a segment have its transit time as delay, others none.
+    0 stand at the beginning of the log, line by line; each line reads its first one,
+    and its hard breaks (jumps up to the second derivative) are unread. The lines of a
+    segment have its transit time as delay, ticks, others none.
     """
     lines = blank(count, LINE)
     for history_line in lines[len(initial_lines) :]:
@@ -419,7 +424,7 @@ def make_lines(clock: Clock, initial_lines: list[InitialLine], count: int) -> li
         line.read_piece = first
         first += initial.piece_count
         line.last_piece = first - 1
-        line.unread_breaks = initial.hard_breaks
+        line.unread_breaks = initial.hard_breaks  # none of them has arrived
     # Segment s, from 0 on, has the lines 2 s and 2 s + 1.
     for l in range(2 * len(clock.transits)):
         lines[l].delay = clock.transits[l // 2]

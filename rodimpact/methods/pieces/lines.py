@@ -140,13 +140,12 @@ def sample(
 
 
 def moments(log: Log, i: int, begin: int, ticks: int, speed: float) -> Moments:
-    """Return the moments of the wave that a line sent, less a velocity.
+    """Return the moments of w, the wave that a line sent less the velocity `speed`.
 
-    With w this difference they are the integrals of w, w y, w P2(y) and w^2 over y,
-    which goes from -1 at tick `begin` to 1 after `ticks`. i is the row of the log of a
-    piece of the line at or before `begin`; `speed` is the velocity, m/s. Times in which
-    nothing was sent add nothing. Each piece is integrated with the weights of the
-    stages.
+    They are the integrals of w, w y, w P2(y) and w^2 over y, which goes from -1 at tick
+    `begin` to 1 after `ticks`; w is in m/s. i is the row of the log of a piece of the
+    line at or before `begin`. Times in which nothing was sent add nothing. Each piece
+    is integrated with the weights of the stages.
     """
     whole = 0.0
     tilt = 0.0
@@ -159,8 +158,8 @@ def moments(log: Log, i: int, begin: int, ticks: int, speed: float) -> Moments:
         if high > low:
             share = (high - low) / ticks  # of the time, in this piece
             for j in range(N):
-                u = 0.5 * (X[j + 1] + 1) * (high - low)  # time since `low`
-                # Places of this time: in the piece, and in the time of the moments
+                u = 0.5 * (X[j + 1] + 1) * (high - low)  # ticks of stage j since `low`
+                # This instant as y of the piece, and as y of the moments
                 in_piece = 2 * ((low - piece.start) + u) / (piece.end - piece.start) - 1
                 y = 2 * ((low - begin) + u) / ticks - 1
                 w = at(piece, in_piece) - speed
@@ -184,7 +183,8 @@ def project(
     """
     line = lines[l]
     begin = tick - line.delay  # when the wave was sent
-    wave = moments(log, line.read_piece, begin, ticks, 0.0)
+    speed = 0.0  # the moments are those of the whole wave
+    wave = moments(log, line.read_piece, begin, ticks, speed)
     series.set_parabola(f, wave.whole, wave.tilt, wave.bend)
 
 
@@ -243,16 +243,18 @@ def append_values(
     """Append a piece with the values f at its points to line l.
 
     It has `ticks` from `tick` on, and degree 0 if all values are the same. Return its
-    row in the log, or NONE, as `append_piece`. c is scratch.
+    row in the log, or NONE if the last piece of the line goes on with the same
+    constant and is made longer instead. c is scratch: it gets the series.
     """
     # Machine code counts no references to borrowed arrays.
     lines = borrowed(lines)
     log = borrowed(log)
-    degree = 0
-    for m in range(POINTS):
-        c[m] = 0.0
-    c[0] = f[0]
-    if not series.is_constant(f):
+    if series.is_constant(f):
+        degree = 0
+        for m in range(POINTS):
+            c[m] = 0.0
+        c[0] = f[0]
+    else:
         degree = N
         series.set_series(f, c)
     return append_piece(run, lines, log, l, tick, tick + ticks, degree, c)
@@ -292,10 +294,10 @@ def classify_break(run: Run, lines: Lines, log: Log, old: int, i: int) -> None:
     value does not jump has order 1 or more; one whose slope and curvature do not jump
     either is SMOOTH. A break that stays hard is counted as unread.
 
-    Jumps of slope and curvature are taken as changes of values in a quarter of the
-    shortest transit. That is s = (shortest transit)/(2 duration) in y, in which T_m
-    changes by s T_m' + s^2 T_m''/2. T_m' = m^2 and T_m'' = m^2 (m^2 - 1)/3 at the end
-    of a piece, with the signs (-1)^(m+1) and (-1)^m at its start.
+    Jumps of slope and curvature are taken as changes of values, m/s, in a quarter of
+    the shortest transit. That is s = (shortest transit)/(2 duration) in y of a piece,
+    in which T_m changes by s T_m' + s^2 T_m''/2. At the end of a piece T_m' = m^2 and
+    T_m'' = m^2 (m^2 - 1)/3; at its start they have the signs (-1)^(m+1) and (-1)^m.
     """
     before = log[old]
     new = log[i]
@@ -307,10 +309,12 @@ def classify_break(run: Run, lines: Lines, log: Log, old: int, i: int) -> None:
     sign = 1.0  # (-1)^m
     for m in range(POINTS):
         q = m * m
+        # Value of the term m at the end of the old piece, where T_m = 1, and at the
+        # start of the new one, where T_m = (-1)^m
         b = before.coefficients[m]
         c = sign * new.coefficients[m]
         jump += c - b
-        # New slope less old one: at the start of a piece T_m' has the sign -(-1)^m.
+        # New slope, -q c s_new, less the old one, q b s_before
         slope -= q * (c * s_new + b * s_before)
         bend += q * (q - 1) / 6 * (c * s_new * s_new - b * s_before * s_before)
         sign = -sign
@@ -342,7 +346,7 @@ def reflect(run: Run, lines: Lines, log: Log, node: Node) -> int:
     delay = lines[source].delay
     old = lines[target].last_piece
     stop = piece.end + delay
-    # The row of a new piece; NONE where the last piece goes on with the same constant
+    # Row of the new piece; NONE where the last one goes on with the same constant
     i = append_piece(
         run, lines, log, target, node.now, stop, piece.degree, piece.coefficients
     )
@@ -352,8 +356,8 @@ def reflect(run: Run, lines: Lines, log: Log, node: Node) -> int:
         log[i].break_order = 0
         classify_break(run, lines, log, old, i)
     elif i != NONE and node.now == piece.start + delay:
-        # The start of the piece arrives now,
-        # and its break is sent on: one more, if it is hard.
+        # The start of the piece arrives now, and its break is sent on: one more unread
+        # break, if it is hard. In the middle of a piece there is no break.
         log[i].break_order = piece.break_order
         lines[target].unread_breaks += piece.break_order <= MAX_HARD_ORDER
     return int(stop)

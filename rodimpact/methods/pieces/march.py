@@ -176,7 +176,7 @@ def advance(state: State, node: Node) -> bool:
         count_averaged_step(run, tick)
     node.now = tick + ticks
     if event.link != NONE:
-        begin_after_event(state, node, event)
+        set_state_after_event(state, node, event)
     set_next_ticks(run, node, result, is_limited)
     return True
 
@@ -241,12 +241,13 @@ def record_error(
         run.shared_error = max(run.shared_error, share * remainder)
 
 
-def begin_after_event(state: State, node: Node, event: Event) -> None:
-    """Begin a piece of a node at an event at its end: change the status of the link.
+def set_state_after_event(state: State, node: Node, event: Event) -> None:
+    """Change the status and state of a link at an event, where the last piece ended.
 
-    The waves at the start of the piece are those at the end of the last one. If the
-    link opens, the next proof of finality is tried as soon as all nodes have come so
-    far. The next piece may be halved again for a comparison (`halved_until` is 0).
+    `events.apply_transition` does that; no piece is solved. The waves at the start of
+    the next piece become those at the end of the last one. If the link opens, the next
+    proof of finality is tried as soon as all nodes have come so far. The next piece may
+    be halved again for a comparison (`halved_until` is 0).
     """
     run = state.runs[0]
     node.halved_until = 0
@@ -294,12 +295,12 @@ def piece_end(state: State, node: Node, is_after_break: bool) -> int:
     That is the first of: the wanted duration, what is known of the waves, their next
     hard break, the end or the next proof of the run, and after a hard break twice the
     duration of the incoming piece. `is_after_break` says that a hard break arrives now.
-    In a comparison run a piece that something else than the wanted duration limits is
-    halved, and so is the first. This sets `is_averaging` and `halved_until` of the
-    node.
 
     Where breaks are too dense to be followed one by one, see `is_dense`, the piece is
-    averaging: it lasts up to `min_break_spacing` and takes means of its waves.
+    averaging instead: it lasts up to `min_break_spacing`, across breaks, and takes
+    means of its waves. In a comparison run (`halves_pieces`) the first piece is halved,
+    and each that something else than the wanted duration limits. This sets
+    `is_averaging` and `halved_until` of the node.
     """
     run = state.runs[0]
     all_lines = state.lines
@@ -328,8 +329,8 @@ def piece_end(state: State, node: Node, is_after_break: bool) -> int:
             return int(averaged_end)
     node.is_averaging = 0
     if is_after_break:
-        # A piece that follows a break is at most twice as long as the incoming piece
-        # that begins with it.
+        # On each side with a break: at most twice as long as the incoming piece that
+        # begins with it
         for side in range(2):
             source = node.incoming_lines[side]
             if lines.order_at(all_lines, log, source, tick) <= MAX_HARD_ORDER:
@@ -338,9 +339,9 @@ def piece_end(state: State, node: Node, is_after_break: bool) -> int:
                 end = min(end, tick + 2 * incoming_ticks)
     is_limited = tick == 0 or end < wanted_end
     if run.halves_pieces and is_limited and end > node.halved_until:
-        # A first piece, like one that breaks limit, is as long at any tolerance: the
-        # comparison differs there only if it halves the piece. The second half is not
-        # halved again.
+        # Such a piece is as long at any tolerance, so that the run that is compared has
+        # the same one: half of it shows the error. `halved_until` keeps the second half
+        # from being halved again.
         node.halved_until = end
         end = tick + (end - tick + 1) // 2  # the first half, rounded up
     return end
@@ -365,10 +366,10 @@ def solve(state: State, node: Node, ticks: int) -> PieceResult:
 
     The solution is left in the links and masses of the node. Smooth is a truncation
     error within the tolerance; averaging pieces, and those of MIN_PIECE_TICKS, need not
-    be. An event at the start of the piece happens before the piece begins: the status
-    of its link is changed, and the piece is solved anew. So the event of the result is
-    after the start. Without a solution on a piece of one tick the result has 0 ticks.
-    After MAX_STATUS_CHANGES at the start it has no event.
+    be. If an event is at the start of the piece, the status of its link is changed, and
+    the piece is solved anew, so that the event of the result is after the start. After
+    MAX_STATUS_CHANGES of these the result has no event. Without a solution on a piece
+    of one tick it has 0 ticks.
     """
     run = state.runs[0]
     links = state.links
@@ -479,33 +480,33 @@ def send_outgoing(
     """
     run = state.runs[0]
     links = state.links
-    # Orders of the breaks that come from the left and from the right, in the force of
-    # the link that they have passed last
-    from_left = left_order
-    from_right = right_order
-    # Both ways at once: `link` from the left, `opposite` from the right
+    # Orders of both breaks on their way through the node: that of the left one in the
+    # forces from left to right, that of the right one from right to left
+    rightward_order = left_order
+    leftward_order = right_order
     for q in range(node.link_count):
         if q > 0:
-            # The mass before this link integrates the force of the link before:
+            # A mass before this link integrates the force of the link before:
             # its velocity is one order smoother than that force.
-            from_left += 1
-            from_right += 1
-        link = links[node.first_link + q]
-        opposite = links[node.first_link + node.link_count - 1 - q]
-        from_left = contact_laws.break_order(link, from_left)
-        from_right = contact_laws.break_order(opposite, from_right)
+            rightward_order += 1
+            leftward_order += 1
+        from_left = links[node.first_link + q]  # the q-th link from the left
+        from_right = links[node.first_link + node.link_count - 1 - q]
+        rightward_order = contact_laws.break_order(from_left, rightward_order)
+        leftward_order = contact_laws.break_order(from_right, leftward_order)
     for side in range(2):
         if node.outgoing_lines[side] == NONE:
             continue
         nodes.set_outgoing(links, node, side)
-        # What arrived is sent back, and what has passed all links from the other side.
-        if side == 0:
-            order = min(left_order, from_right)
-        else:
-            order = min(right_order, from_left)
+        # A wave that leaves has the break that arrived on its side, and the one that
+        # has come through from the other side: the lower order counts.
         if node.is_averaging:
             series.flatten(node.outgoing)
             order = 0
+        elif side == 0:
+            order = min(left_order, leftward_order)
+        else:
+            order = min(right_order, rightward_order)
         lines.send(
             run, state.lines, state.log, node.outgoing_lines[side], node, ticks, order
         )

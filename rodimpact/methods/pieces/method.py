@@ -65,10 +65,10 @@ def solve(
 ) -> Run:
     """Run a single collision to `until`, s, or to its proof of finality.
 
-    After a proof waves go once more through the longest body and back. It runs once,
-    with a tolerance that follows from `rtol`, in `max_events` steps of nodes at most. A
-    second, coarser run then tells the errors: they are stated, and a result that misses
-    `rtol` is not refined. RTOL stands in for None.
+    After a proof waves go once more through the longest body and back. The run has a
+    tolerance that follows from `rtol` (RTOL for None), and `max_events` steps of nodes
+    at most. A second, coarser run then tells the errors. They are stated; a result that
+    misses `rtol` is not refined.
 
     Raises
     ------
@@ -88,8 +88,9 @@ def solve(
         raise InvalidModel([totals.why_stuck(row, stuck, seconds)])
     errors = stated_errors(members, np.array([0]), report=report)[0].tolist()
     accuracy = dict(zip(runs.MEASURES, errors, strict=True))
-    goal = RTOL
-    if rtol is not None:
+    if rtol is None:
+        goal = RTOL
+    else:
         goal = rtol
     return _result_of(members, accuracy, goal)
 
@@ -211,14 +212,17 @@ def _result_of(members: Members, accuracy: dict[str, float], goal: float) -> Run
     tick = clock.tick
     end_tick = min(int(state.nodes["now"].min()), run.end_tick)
     stopped_by = totals.why_stopped(run, until is not None)
-    t_end = end_tick * tick
     if until is not None and stopped_by == "until":
-        t_end = until
+        t_end = until  # as it was given: `end_tick` is rounded
+    else:
+        t_end = end_tick * tick
     round_trip = 2 * clock.longest_rod * tick
     t_final = totals.last_of(run, ended.links, t_end, round_trip)
-    t_proved = math.nan
     if run.proved_tick >= 0:
         t_proved = run.proved_tick * tick
+    else:
+        t_proved = math.nan
+    # The status: why the run ended, the accuracy, and what is in doubt
     why = totals.end_of_run(run, ended.links, row.system, stopped_by, t_end, t_final)
     status = with_advice(why)
     status += totals.accuracy_sentence(runs.largest_error(accuracy), goal)
@@ -263,11 +267,11 @@ def _doubts(clock: Clock, run: Any, log: Any, end_tick: int) -> str:
 def _largest_strain(clock: Clock, log: Any, end_tick: int) -> float:
     """Bound of the absolute strain in all segments up to a tick, without dimension.
 
-    The strain is (b - a)/(2 c) by the waves a and b of a segment of wave speed c. With
-    abs(a) and abs(b) up to v it is at most v/c. A piece of a wave is at most the sum of
-    the absolute coefficients of its Chebyshev series. In a row that falls this is done
-    in the frame of the ground as well, and the smaller bound is taken. Without segments
-    the bound is 0.
+    `log` has the pieces of all lines. The strain is (b - a)/(2 c) by the waves a and b
+    of a segment of wave speed c. With abs(a) and abs(b) up to v it is at most v/c. v is
+    the sum of the absolute coefficients of the Chebyshev series of a piece. Under
+    gravity there is a second bound in the frame of the ground, and the smaller one is
+    returned. Without segments the bound is 0.
     """
     row = clock.row
     waves = log[log["line"] < 2 * len(row.segments)]  # two lines a segment come first
@@ -278,8 +282,9 @@ def _largest_strain(clock: Clock, log: Any, end_tick: int) -> float:
         transit_times[s] = float(segment.transit_time)
     segments = waves["line"] // 2  # number of the segment, [piece]
     speeds = wave_speeds[segments]
-    bounds = np.abs(waves["coefficients"]).sum(axis=1)  # bounds of abs(a) or abs(b)
-    bound_in_frame = float((bounds / speeds).max(initial=0.0))
+    # v of each piece, m/s, in the frame of the run
+    v_in_frame = np.abs(waves["coefficients"]).sum(axis=1)
+    bound_in_frame = float((v_in_frame / speeds).max(initial=0.0))
     gravity = float(row.system.gravity)
     if gravity == 0:
         return bound_in_frame
@@ -296,9 +301,9 @@ def _largest_strain(clock: Clock, log: Any, end_tick: int) -> float:
     above_ground = waves["coefficients"].copy()
     above_ground[:, 0] += clock.frame + gravity * middle
     above_ground[:, 1] += gravity * half_duration
-    bounds = np.abs(above_ground).sum(axis=1)
-    bounds += abs(gravity) * transit_times[segments] / 2
-    bound_on_ground = float((bounds / speeds).max(initial=0.0))
+    v_above_ground = np.abs(above_ground).sum(axis=1)
+    v_above_ground += abs(gravity) * transit_times[segments] / 2
+    bound_on_ground = float((v_above_ground / speeds).max(initial=0.0))
     return min(bound_in_frame, bound_on_ground)
 
 

@@ -102,21 +102,22 @@ def start_forces(links: Links, node: Node) -> int:
         is_bond = link.law == Law.BOND
         # A contact from PRESS on presses, yields or rests.
         acts = link.status >= Status.PRESS or is_bond or link.law == Law.JOINT
+        # Alone between two rods, only a force by a law of the overlap is unknown.
         link.unknown_index = NONE
         if acts and (node.link_count > 1 or overlap_changes(link)):
             link.unknown_index = unknown_count
             unknown_count += 1
-        # Bonds and contacts that press have given forces only between two rods.
         holds = is_bond or link.status == Status.PRESS
-        is_alone = holds and link.unknown_index == NONE
+        follows_from_waves = holds and link.unknown_index == NONE
         for j in range(POINTS):
-            link.force[j] = 0.0
             if is_push:
                 side = link.law - Law.PUSH_LEFT  # 0 for PUSH_LEFT, 1 for PUSH_RIGHT
                 link.force[j] = node.incoming[side][j]
-            elif is_alone:  # its faces keep one velocity: closing - Y F = 0
+            elif follows_from_waves:  # both faces have one velocity: closing - Y F = 0
                 closing = node.incoming[0][j] - node.incoming[1][j]
                 link.force[j] = closing / link.mobility
+            else:  # it is unknown, or no force acts
+                link.force[j] = 0.0
     return unknown_count
 
 
@@ -141,7 +142,8 @@ def update_motion(links: Links, masses: Masses, node: Node, h: float) -> None:
     start:
 
     m v' = F before - F behind,  closing = velocity on the left - on the right,
-    d' = share (closing - Y F) with the elastic share, 0 if `overlap_changes` denies it.
+    d' = share (closing - Y F) with the elastic share; d stays where `overlap_changes`
+    is false.
 
     `scratch_values` of the node holds derivatives meanwhile.
     """
@@ -151,7 +153,7 @@ def update_motion(links: Links, masses: Masses, node: Node, h: float) -> None:
         body = masses[node.first_mass + i]
         for j in range(POINTS):
             node.scratch_values[j] = (before.force[j] - behind.force[j]) / body.mass
-        integrate(node.scratch_values, h, body.velocity)
+        integrate(node.scratch_values, h, body.velocity)  # from velocity[0] on
     for q in range(node.link_count):
         link = links[node.first_link + q]
         share = 0.0
@@ -169,10 +171,10 @@ def update_motion(links: Links, masses: Masses, node: Node, h: float) -> None:
                 right = masses[node.first_mass + q].velocity[j]
             closing = left - right
             link.closing[j] = closing
-            link.overlaps[j] = link.overlap
+            link.overlaps[j] = link.overlap  # that at the start of the piece
             node.scratch_values[j] = share * (closing - link.mobility * link.force[j])
         if share != 0:
-            integrate(node.scratch_values, h, link.overlaps)
+            integrate(node.scratch_values, h, link.overlaps)  # from overlaps[0] on
 
 
 # Newton's method ----------------------------------------------------------------------
@@ -193,13 +195,14 @@ def linearise(link: Link, h: float, is_first: bool) -> float:
     residual = 0.0
     largest = 0.0
     for j in range(1, POINTS):
-        d = link.overlaps[j]
         closing = link.closing[j]
         if is_first:
             u = 0.5 * h * (X[j] + 1)  # time since the start of the piece
             # The mean of d' + d'' t over t from 0 to u
             mean_rate = link.overlap_rate + 0.5 * u * link.overlap_acceleration
             d = link.overlap + u * mean_rate
+        else:
+            d = link.overlaps[j]
         F, by_overlap, by_closing = contact_laws.force(link, d, closing)
         base = F - by_overlap * d - by_closing * closing
         link.by_overlap[j] = by_overlap
@@ -238,11 +241,13 @@ def set_equations(
 
     Each of the `unknown_count` forces has an equation at each of the N stages: that of
     force u at stage j is row N u + j of `G`, and its change is column N u + j. The
-    column behind these is the right side, in newtons. The tangent law of a link, which
-    `linearise_links` has set, is F = base + by_overlap d + by_closing closing, with d
-    and closing after the step. So the right side is the force by the present d and
-    closing, less the present force. A link at rest (REST) has no law: its force is such
-    that `closing` becomes 0, and the right side is the present `closing`, m/s.
+    column behind these is the right side.
+
+    The tangent law of a link, which `linearise_links` has set, is F = base + by_overlap
+    d + by_closing closing, with d and closing after the step. So the right side is the
+    force by the law at the present d and closing, less the present force, N. A link at
+    rest (REST) has no law: its force makes `closing` 0, and the right side is the
+    present `closing`, m/s.
     """
     right_side = N * unknown_count
     for q in range(node.link_count):
@@ -250,14 +255,16 @@ def set_equations(
         if link.unknown_index == NONE:
             continue
         for p in range(node.link_count):
-            column = links[node.first_link + p].unknown_index
-            if column != NONE:
-                change = closing_by_impulse(masses, node, q, p)
-                set_block(link, change, p == q, h, G, N * column)
+            unknown = links[node.first_link + p].unknown_index
+            if unknown != NONE:
+                by_impulse = closing_by_impulse(masses, node, q, p)
+                is_same = p == q
+                set_block(link, by_impulse, is_same, h, G, N * unknown)
         for j in range(N):
-            present = link.force[j + 1]  # stage j is point j + 1
             if link.status == Status.REST:
                 present = 0.0  # its tangent is that of `closing`, not of a force
+            else:
+                present = link.force[j + 1]  # stage j is point j + 1
             G[N * link.unknown_index + j][right_side] = (
                 link.base[j + 1]
                 + link.by_overlap[j + 1] * link.overlaps[j + 1]
@@ -294,15 +301,17 @@ def set_block(
 ) -> None:
     """Set the N by N block of G in the rows of a link, from `column` on.
 
-    Its columns are the forces of a link that may be another one. `by_impulse` is the
-    change of the closing rate of `link` by a unit impulse in that one, 1/kg; `is_same`
-    says that both are one. Changes x of its force, at the stages, change
+    Its columns are the forces of a second link, which may be the same. `by_impulse` is
+    the change of the closing rate of `link` by a unit impulse in the second one, 1/kg;
+    `is_same` says that both are one. Changes x of the second force, at the stages,
+    change
 
         closing by (h/2) by_impulse S x,
         d by share (h/2) S (change of closing - Y x if same),
 
-    with S = STAGES, S S = TWICE and the elastic share. The block is 1 (if same, and not
-    at rest) less by_closing times the first and by_overlap times the second.
+    with S = STAGES, S S = TWICE and the elastic share. The block is I - a S - b S S,
+    where (a S + b S S) x is the change of the force by the tangent law of `link`, and I
+    is 1 for the same link, unless it is at rest, else 0.
     """
     half = 0.5 * h
     closing_factor = half * by_impulse  # closing changes by this times S x
@@ -313,8 +322,8 @@ def set_block(
         own_factor = overlap_factor * link.mobility
         if link.status != Status.REST:
             identity = 1.0
-    # Columns to which S S adds: it is the effect of a mass, on its velocity and then on
-    # the overlap. Without a mass between both links `by_impulse` is 0.
+    # Columns to which S S adds: a force changes the velocity of a mass, and that the
+    # overlap. Without a mass between both links `by_impulse` is 0.
     if by_impulse == 0:
         twice_columns = 0
     else:
@@ -323,8 +332,7 @@ def set_block(
         row = G[N * link.unknown_index + j]
         stages = STAGES[j]
         twice = TWICE[j]
-        # Changes x of the force change what the tangent law says at stage j, which is
-        # point j + 1, by (a S + b S S) x.
+        # Stage j is point j + 1.
         by_closing = link.by_closing[j + 1]
         by_overlap = link.by_overlap[j + 1]
         a = by_closing * closing_factor - by_overlap * own_factor
@@ -347,10 +355,10 @@ def take_step(
 ) -> None:
     """Add the changes of forces to the forces, and update the motion.
 
-    The changes are the last column of G. Where dF/dd times the velocity scale times h
-    is above the force, the link is stiff: its overlap is a small difference of large
-    numbers. It is then computed from the force by the tangent law, d = (F - base -
-    by_closing closing)/by_overlap, as integrating the closing rate would lose digits.
+    The changes are the last column of G. A link is stiff where the velocity scale would
+    change its force in the time h by more than the force itself. Its overlap, a small
+    difference of large numbers, is then not the integral of the closing rate, but d =
+    (F - base - by_closing closing)/by_overlap, from its tangent law.
     """
     solution = N * unknown_count  # column of G with the changes
     for q in range(node.link_count):
@@ -391,7 +399,8 @@ def collocate(
     G = borrowed(G)
     # Given forces are set here, the unknown ones counted.
     unknown_count = start_forces(links, node)
-    # Residual before the last step: if it was large, another step follows.
+    # Residual before the last step: if it was large, another step follows. No step was
+    # taken yet, so that the number here is any large one.
     residual = 1.0
     steps = 0
     update_motion(links, masses, node, h)
@@ -438,10 +447,10 @@ def forbid_pulling(links: Links, node: Node) -> None:
     """Let no contact of a node pull at any time in the piece.
 
     Only its forces are changed, and their impulse stays as before. Where a force falls
-    to 0 its polynomial may swing below 0 by about the tolerance. With m > 0 (`swing`)
-    at least as large as that, and J the integral of F over the piece of duration h, F
-    := (F + m) J/(J + m h) is never negative and has the integral J. Here J is taken
-    over y, and the duration in y is 2. If J is not positive, F becomes 0.
+    to 0 its polynomial may swing below 0 by about the tolerance. Let m > 0 (`swing`) be
+    at least as large as that, and J the integral of F over y, whose duration is 2. Then
+    (F + m) J/(J + 2 m) is never negative and has the integral J, too: it takes the
+    place of F. If J is not positive, F becomes 0.
     """
     for q in range(node.link_count):
         link = links[node.first_link + q]
@@ -458,9 +467,10 @@ def forbid_pulling(links: Links, node: Node) -> None:
             swing = SWING_FACTOR * deepest + SWING_ROUND_OFF * largest
             impulse = series.integral(link.force)
             if swing > 0:
-                share = 0.0  # J/(J + m h), which keeps the impulse
                 if impulse > 0:
-                    share = impulse / (impulse + 2 * swing)
+                    share = impulse / (impulse + 2 * swing)  # it keeps the impulse
+                else:
+                    share = 0.0
                 for j in range(POINTS):
                     link.force[j] = max(0.0, (link.force[j] + swing) * share)
 
@@ -492,11 +502,12 @@ def truncation_error(links: Links, masses: Masses, node: Node) -> float:
     worst = 0.0
     for side in range(2):
         link = links[outer_link(node, side)]
-        velocity = 1.0  # per unit of the input
         # PUSH_LEFT is of side 0, PUSH_RIGHT, the next number, of side 1.
-        if link.law == Law.PUSH_LEFT + side:  # there is a push on this side
-            velocity = 2 * link.effective_mobility  # the input is a force, not a wave
-        error = series.truncation_estimate(node.incoming[side]) * velocity
+        if link.law == Law.PUSH_LEFT + side:  # the input on this side is a force
+            velocity_by_input = 2 * link.effective_mobility
+        else:  # it is a wave
+            velocity_by_input = 1.0
+        error = series.truncation_estimate(node.incoming[side]) * velocity_by_input
         worst = max(worst, error)
         if node.mobility[side] > 0:  # there is a rod, into which a wave leaves
             set_outgoing(links, node, side)
@@ -511,10 +522,11 @@ def truncation_error(links: Links, masses: Masses, node: Node) -> float:
     for q in range(count):
         link = links[node.first_link + q]
         if overlap_changes(link):
-            # What 1 N makes in a typical piece;
+            # Velocity that 1 N makes in a typical piece;
             # the mobility is that of a whole transit.
-            velocity = PIECE_PER_TRANSIT * link.effective_mobility
-            worst = max(worst, velocity * series.truncation_estimate(link.force))
+            velocity_by_force = PIECE_PER_TRANSIT * link.effective_mobility
+            error = velocity_by_force * series.truncation_estimate(link.force)
+            worst = max(worst, error)
     return worst
 
 

@@ -106,11 +106,12 @@ def in_pieces(
 ) -> tuple[Any, float]:
     """A signal between two ticks as pieces that are as long as they fit.
 
-    Pieces begin at breaks of the signal. A kink is one if it changes values by more
-    than `break_size` until the next break: straight lines between close samples of a
-    smooth curve have none. So does what is constant at first or at last: no piece
-    reaches into it, as nothing may move before a wave arrives. A piece that changes by
-    round-off only is made constant.
+    No piece reaches across a jump, nor into a stretch at the start or end in which the
+    signal is constant: nothing may move before a wave arrives. Across kinks a piece may
+    reach if it fits. Where pieces meet the order of the break is 0 at a jump, 1 at a
+    kink, else SMOOTH. A kink counts if it changes values by more than `break_size`
+    until the next break: straight lines between close samples of a smooth curve have
+    none. A piece that changes by round-off only is made constant.
 
     Parameters
     ----------
@@ -134,8 +135,7 @@ def in_pieces(
     changes = np.abs(signal.at(edges[1:], "left") - signal.at(edges[1:]))
     jumps = changes > CONTINUITY_RTOL * break_size + round_off
     borders = _borders_of_rest(signal, edges, round_off)  # [edge]
-    # No piece reaches across a jump, or into what is constant. `jumps` leaves out the
-    # first edge: its place k is edge k + 1.
+    # `jumps` and `barriers` leave out the first edge: their place k is edge k + 1.
     barriers = jumps | borders[1:]
     fitted = _fit_longest(signal, edges, barriers, largest_miss)
     first = fitted.first  # interval with which each piece begins, that is its edge
@@ -148,9 +148,10 @@ def in_pieces(
     bends = _bends(series, stops - starts, edges, inner)
     # The order of a break is 0 where the value jumps, 1 where the slope does.
     kink_order = np.where(bends > break_size + round_off, 1, SMOOTH)
-    order = np.where(jumps[inner - 1], 0, kink_order)
+    signal_order = np.where(jumps[inner - 1], 0, kink_order)
     # The border of a constant stretch is a hard break in any case.
-    order = np.where(borders[inner], np.minimum(order, MAX_HARD_ORDER), order)
+    hard_order = np.minimum(signal_order, MAX_HARD_ORDER)
+    order = np.where(borders[inner], hard_order, signal_order)
     pieces = np.zeros(len(series), PIECE)
     pieces["start"] = starts
     pieces["end"] = stops
@@ -212,9 +213,11 @@ def _borders_of_rest(signal: Pieces, edges: Ints, round_off: float) -> Any:
 def _fit_longest(signal: Pieces, edges: Ints, jumps: Any, tolerance: float) -> Fit:
     """Fit pieces of 2^n intervals without a jump inside, in order of time.
 
-    Intervals lie between `edges`, ticks. Pieces that miss the signal by more than
-    `tolerance` are halved. `jumps` says for each edge after the first whether no piece
-    may reach across it. An interval by itself keeps the series of the signal.
+    Intervals lie between `edges`, ticks. `jumps` says for each edge after the first
+    whether no piece may reach across it. A piece is tried first on all intervals, then
+    halved as long as it misses the signal by more than `tolerance`, reaches across a
+    jump, or beyond the last interval. An interval by itself keeps the series of the
+    signal.
     """
     # Number of jumps up to the start of each interval
     jumps_before = np.cumsum(np.append(0, jumps[:-1]))
@@ -226,9 +229,9 @@ def _fit_longest(signal: Pieces, edges: Ints, jumps: Any, tolerance: float) -> F
     all_series = list[Floats]()
     worst = 0.0
     while width > 1:
-        stop = np.minimum(tried + width, n)
+        stop = np.minimum(tried + width, n)  # behind the last interval of each piece
         is_whole = tried + width == stop  # it does not go beyond the last interval
-        # No jump is between its first interval and its last one.
+        # As many jumps come before its last interval as before its first one.
         has_no_jump = jumps_before[stop - 1] == jumps_before[tried]
         may_fit = is_whole & has_no_jump
         series, misses = _through(signal, edges, tried[may_fit], width)
@@ -275,8 +278,8 @@ def _through(
     inside = starts[..., None] + (stops - starts)[..., None] * SHARES
     shape = (len(first), width * VALUES_PER_INTERVAL)
     y = 2 * (inside.reshape(shape) - low[:, None]) / durations - 1
-    exact = signal.inside(starts.ravel(), stops.ravel(), SHARES)
-    exact = exact * np.ones(VALUES_PER_INTERVAL)  # a constant signal has one value only
+    given = signal.inside(starts.ravel(), stops.ravel(), SHARES)
+    exact = given * np.ones(VALUES_PER_INTERVAL)  # a constant signal has one value only
     fitted = chebyshev.chebval(y.T, series.T, tensor=False).T
     misses = np.abs(fitted - exact.reshape(shape))
     return series, misses.max(axis=1, initial=0.0)

@@ -173,11 +173,13 @@ def truncation_estimate(f: Values) -> float:
 def remainder(f: Values, integrated: bool) -> float:
     """Return an estimate of the error of a polynomial, or of its integral.
 
-    It has the values f at the points. Coefficients fall by a factor r from degree to
-    degree. The polynomial misses the next ones, two and two about tail r
-    (1 + r^2 + r^4 + ...). Integrals of them are about a hundredth of that; and
-    collocation integrates far better than it follows values, about as the tail times
-    r^3. So the error is e = tail r/(1 - r^2), or e (r^2 + 0.01) if `integrated`.
+    It has the values f at the points. Its error is the coefficients beyond degree N. If
+    coefficients fall by a factor r from degree to degree, and `tail` is the sum of the
+    last two, these are e = tail r (1 + r^2 + r^4 + ...) = tail r/(1 - r^2) together.
+
+    Of the integral (`integrated`) the error is e (r^2 + 0.01): the integrals of the
+    coefficients left out are about a hundredth of them, and collocation integrates far
+    better than it follows values, about as tail r^3.
     """
     last = 0.0  # tail: abs(c[N - 1]) + abs(c[N])
     before = 0.0  # abs(c[N - 3]) + abs(c[N - 2])
@@ -294,10 +296,11 @@ def minimum(c: Values) -> float:
     negative, it is returned. Else the smallest value is searched for beside the
     smallest of samples.
     """
-    least = c[0]  # the bound
+    bound = c[0]  # no value is smaller
     for m in range(1, POINTS):
-        least -= abs(c[m])
-    if least < 0:
+        bound -= abs(c[m])
+    least = bound
+    if bound < 0:
         step = 2.0 / SAMPLES
         best = 0  # sample with the smallest value; sample k is at step k - 1
         least = value(c, -1.0)
@@ -317,11 +320,10 @@ def minimum(c: Values) -> float:
 def maximum(f: Values, c: MutableValues, least: float) -> Maximum:
     """Return the largest value of a polynomial, its place, and a possible miss.
 
-    It has the values f at the points. c is scratch. The place is searched for beside
-    the largest of these values. A vertex beside the outermost points counts too: a
-    parabola through three points would miss it. If no value between the points can be
-    more than `least`, or none is found, the largest of the values at the points is
-    returned, with a miss of 0: a series is c[0] + abs(c[1]) + abs(c[2]) + ... or less.
+    It has the values f at the points. c is scratch: it gets the series. A larger value
+    is searched for between the neighbours of the largest of f. If none is found, or
+    none can be above `least`, the largest of f is returned, with a miss of 0. No value
+    is above c[0] + abs(c[1]) + abs(c[2]) + ...
     """
     best = 0  # point of the largest value
     for j in range(POINTS):
@@ -337,8 +339,8 @@ def maximum(f: Values, c: MutableValues, least: float) -> Maximum:
         reach += abs(c[m])
     if reach <= least:
         return Maximum(f[best], X[best], 0.0)
-    # Of three thirds, the outer one beside the
-    # smaller of the two values in between is left out.
+    # A search in thirds rather than a parabola through three points: that would miss a
+    # vertex beside an outermost point. The third beside the smaller value is left out.
     for _ in range(EXTREMUM_STEPS):
         first_third = (2 * low + high) / 3
         second_third = (low + 2 * high) / 3
@@ -401,9 +403,9 @@ def eliminate(G: Matrix, n: int, band: int) -> None:
                 most = abs(G[j][i])
         row = G[i]
         pivot_row = G[p]
-        # Columns before this one are swapped.
+        # Columns from i on, and column n, are swapped.
         if p == i:
-            swap_end = i  # there is nothing to swap
+            swap_end = i  # there is nothing to swap: both are one row
         else:
             swap_end = right
         for q in range(i, swap_end):

@@ -41,18 +41,20 @@ def signals_of(row: Row, clock: Clock, end: int, state: Any) -> Signals:
     masses = _masses(row, end, lines, frame, state, contact_events)
     contacts: list[ContactSignal | None] = []
     for i in row.contact_link:
-        contact = None  # the contact is a bond of rigid bodies
-        if i >= 0:
+        if i < 0:  # the contact is a bond of rigid bodies, and no link
+            contacts.append(None)
+        else:
             of_link = contact_events[contact_events["link"] == i]
             contact = _contact(state.links[i], of_link, lines, clock.tick)
-        contacts.append(contact)
-    left = _outside(row, 0, lines, frame, state)
-    right = _outside(row, 1, lines, frame, state)
+            contacts.append(contact)
+    left_end = _outside(row, 0, lines, frame, state)
+    right_end = _outside(row, 1, lines, frame, state)
     # Contacts are counted from the end whose wall they touch.
-    left = _with_wall_force(left, bodies[0], contacts)
-    right = _with_wall_force(right, bodies[-1], contacts[::-1])
-    push = NOTHING
-    if left:
+    left = _with_wall_force(left_end, bodies[0], contacts)
+    right = _with_wall_force(right_end, bodies[-1], contacts[::-1])
+    if left is None:
+        push = NOTHING
+    else:
         push = left.push
     all_contacts = _with_bonds(row, contacts, masses, clock.tick, push)
     # Segments count from 1 there, and have two lines each.
@@ -81,16 +83,17 @@ def _with_bonds(
 
     forces: list[Pieces | None] = []
     for contact in contacts:
-        force = None
-        if contact:
-            force = contact.force
-        forces.append(force)
+        if contact is None:
+            forces.append(None)
+        else:
+            forces.append(contact.force)
     all_forces = fill_bonds(row.system, forces, inertia_force, push)
     signals = []
     for contact, force in zip(contacts, all_forces, strict=True):
         if contact is None:
-            contact = ContactSignal(force, NOTHING, NOTHING, ())
-        signals.append(contact)
+            signals.append(ContactSignal(force, NOTHING, NOTHING, ()))
+        else:
+            signals.append(contact)
     return tuple(signals)
 
 
@@ -133,13 +136,12 @@ def _with_wall_force(
 
     `body` stands at this end, and `contacts` begin there. If it is no wall, or there is
     no contact but None, `outside` is returned as it is. Contacts that are None are
-    bonds of rigid bodies to the wall, which pass the force of the next contact on. The
-    force contains blows.
+    bonds of rigid bodies to the wall, which pass the force of the next contact on.
     """
     if outside is None or not isinstance(body, Wall):
         return outside
     for contact in contacts:
-        if contact:
+        if contact is not None:  # its force also has blows
             return outside._replace(push=contact.force)
     return outside
 

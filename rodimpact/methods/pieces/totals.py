@@ -25,13 +25,16 @@ def tally_of(link: Any, tick: float, now: int) -> ContactTally:
         peak = math.nan
     else:
         peak = link.peak_force
-    first = math.nan
-    last = math.nan
-    if link.first_force_tick >= 0:  # there was a force
+    still_acts = link.logged_status == Status.PRESS and not is_impact
+    if link.first_force_tick < 0:  # there was no force
+        first = math.nan
+        last = math.nan
+    else:
         first = link.first_force_tick * tick
-        last = link.last_force_tick * tick
-        if link.logged_status == Status.PRESS and not is_impact:  # the force still acts
+        if still_acts:
             last = now * tick
+        else:
+            last = link.last_force_tick * tick
     return ContactTally(
         link.impulse, peak, link.force_ticks * tick, first, last, link.episodes
     )
@@ -56,13 +59,15 @@ def last_of(run: Any, links: Any, end: float, round_trip: float) -> float:
         can_open = link.law >= Law.RIGID
         if can_open and link.episodes > 0:
             has_struck = link.law == Law.IMPACT and link.status == Status.OPEN
-            force_end = link.last_force_tick * run.tick_duration
             if link.logged_status == Status.PRESS and not has_struck:
                 force_end = math.nan
-            opening = math.nan
+            else:
+                force_end = link.last_force_tick * run.tick_duration
             is_open = link.logged_status == Status.OPEN or has_struck
             if is_open and link.last_opening_tick >= 0:
                 opening = link.last_opening_tick * run.tick_duration
+            else:
+                opening = math.nan
             ends.append((force_end, opening))
     return last_contact(ends, end, round_trip)
 
