@@ -59,14 +59,14 @@ def largest_force(force: Floats) -> float:
     )
     if one_sided is None:
         vertex = _vertex_between(central, 1, 2)
-        at_ends = F
+        without_vertex = F
     else:  # the top step is its first one
         vertex = _vertex_between(one_sided, 0, 1)
         at_begin = one_sided.value
         at_end = one_sided.value + one_sided.slope + one_sided.curve
-        at_ends = max(at_begin, at_end)
+        without_vertex = max(at_begin, at_end)
     if vertex is None:
-        return float(at_ends)
+        return float(without_vertex)
     return float(vertex)
 
 

@@ -276,7 +276,7 @@ def slow_down(mesh: Mesh, step: float, grid: Grid, kick: Array) -> None:
     for i in np.flatnonzero(is_late):
         link = links[i]
         v_before = v.copy()
-        push = late_overlap[i] / mobility[i]
+        push = late_overlap[i] / mobility[i]  # takes the overlap from the closing
         on_left = slice(link["leftmost_node"], link["left_node"] + 1)
         on_right = slice(link["right_node"], link["rightmost_node"] + 1)
         v[on_left] -= responses.by_last[on_left] * push
