@@ -30,8 +30,8 @@ def ticks_of(durations):
     spans = blank(len(durations), DURATION)
     for span, duration in zip(spans, durations, strict=True):
         span.time = duration
-    whole = assign_ticks(spans, 49)  # the longest has up to 49 bits
-    return [span.ticks for span in spans], whole
+    ticks_of_longest = assign_ticks(spans, 49)  # up to 49 bits
+    return [span.ticks for span in spans], ticks_of_longest
 
 
 @pytest.mark.parametrize(
@@ -67,11 +67,12 @@ def test_ticks_do_not_depend_on_the_order_of_durations():
 def test_rounding_is_about_half_a_tick_at_most_where_ratios_are_unknown():
     rng = np.random.default_rng(5)
     durations = [*rng.uniform(0.01, 1, 20), *rng.uniform(1e-5, 1e-3, 20)]
-    ticks, whole = ticks_of(durations)
-    ticks_per_second = Fraction(whole) / Fraction(max(durations))
-    most = Fraction(1, 2) + Fraction(1, 8)  # as ticks are computed in floats
+    ticks, ticks_of_longest = ticks_of(durations)
+    ticks_per_second = Fraction(ticks_of_longest) / Fraction(max(durations))
+    largest_error = Fraction(1, 2) + Fraction(1, 8)  # as ticks are computed in floats
     for duration, tick in zip(durations, ticks, strict=True):
-        assert abs(tick - Fraction(duration) * ticks_per_second) <= most
+        exact = Fraction(duration) * ticks_per_second
+        assert abs(tick - exact) <= largest_error
 
 
 def test_transit_times_of_one_material_are_in_the_ratio_of_their_lengths():
@@ -85,10 +86,12 @@ def test_transit_times_of_one_material_are_in_the_ratio_of_their_lengths():
         (0.1, aluminium),
     ]
     rods = [ri.Rod(length, area=1e-4, material=stuff) for length, stuff in row]
+
     clock = tracked(ri.System(rods)).clock
+
     ticks = clock.ticks[1:-1]  # of each rod; nothing lies beyond the ends
-    assert ticks[1] * 4 == ticks[2] * 3
-    assert ticks[0] * 5 == ticks[1] * 2
+    assert ticks[0] * 5 == ticks[1] * 2  # 0.1 to 0.25
+    assert ticks[1] * 4 == ticks[2] * 3  # 0.25 to 1/3
     assert ticks[3] == 3 * ticks[4]
     assert clock.transit_error < 1e-14
 
@@ -106,10 +109,15 @@ def test_transit_times_of_one_material_are_in_the_ratio_of_their_lengths():
     ],
 )
 def test_a_log_that_is_full_grows_and_the_run_goes_on(monkeypatch, compiling):
+    """To the same bits as with room for all."""
     system = random_system(3)
-    roomy = bits_of(system, horizon(system, transits=8), compiling)
+    until = horizon(system, transits=8)
+    expected = bits_of(system, until, compiling)
     monkeypatch.setattr(batch, "INITIAL_LOG_ROWS", 1)
-    assert bits_of(system, horizon(system, transits=8), compiling) == roomy
+
+    bits = bits_of(system, until, compiling)
+
+    assert bits == expected
 
 
 @pytest.mark.skipif(not kernels.enabled(), reason="compiling is disabled")

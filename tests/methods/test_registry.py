@@ -36,9 +36,12 @@ MISTAKES = [
 @pytest.mark.parametrize(("name", "value"), MISTAKES)
 @pytest.mark.parametrize("ask", [ri.solve, ri.sweep])
 def test_mistakes_of_options_are_the_same_in_solve_and_sweep(name, value, ask):
+    """Those of `Options`, by the name of the option."""
     messages = problems(lambda: Options(**{name: value}))
+    messages_of_call = problems(lambda: ask(ROW, **{name: value}))
+
     assert list(messages) == [name]
-    assert problems(lambda: ask(ROW, **{name: value})) == messages
+    assert messages_of_call == messages
 
 
 @pytest.mark.parametrize(
@@ -130,6 +133,7 @@ FALLING_FROM_AN_END = ri.System([ROD], gravity=9.81, ends=(ri.Fixed(), ri.Free()
 def test_a_row_on_which_something_acts_needs_an_end_and_is_never_final(
     system, cause, acting
 ):
+    """`cause` is named where no end is given, `acting` by the status of a solution."""
     message = f"must be given: .*{cause}"
     for ask in (ri.solve, ri.sweep):
         assert refused(message, ask, system) == ["until"]
@@ -145,8 +149,10 @@ def test_a_row_on_which_something_acts_needs_an_end_and_is_never_final(
     assert reason in solution.outcome.why_no_restitution()
 
 
-def test_bodies_that_fall_alike_come_to_an_end():
-    assert ri.solve(ri.System([ROD, STILL], gravity=1.0)).final
+def test_a_collision_of_bodies_that_fall_alike_is_final():
+    """Gravity changes no relative velocity, so that no end of the run is needed."""
+    pair = ri.System([ROD, STILL], gravity=1.0)
+    assert ri.solve(pair).final
 
 
 @pytest.mark.parametrize(
@@ -161,8 +167,11 @@ def test_bodies_that_fall_alike_come_to_an_end():
 def test_the_cap_on_events_ends_a_run_and_says_what_it_counts(
     method, counted, remedy, cap
 ):
+    """A rod between two walls, which would go on for ever."""
     system = ri.System([ri.Wall(), ROD, ri.Wall()], gaps=[1e-3, 1e-3])
+
     solution = ri.solve(system, method=method, max_events=cap)
+
     assert solution.stopped_by == "max_events"
     assert not solution.final
     assert cap - 3 <= solution.events <= cap + 7  # events at one time are not divided
@@ -190,10 +199,12 @@ MASS_ON_SPRING = ri.System(
     ids=["fronts", "characteristics", "without a rod"],
 )
 def test_options_of_a_grid_are_refused_where_another_method_is_chosen(system, options):
+    (option,) = options
+
     messages = problems(lambda: Options(**options).method_for(system))
-    (path,) = options
-    assert list(messages) == [path]
-    assert messages[path].startswith('is for method "finite-difference", not "')
+
+    assert list(messages) == [option]
+    assert messages[option].startswith('is for method "finite-difference", not "')
 
 
 STEEL = ri.materials.steel
@@ -204,7 +215,9 @@ ON_GRID = {"method": "finite-difference", "cells": 20}
 
 @pytest.mark.parametrize("options", OPTIONS_OF_GRID)
 def test_options_of_a_grid_are_taken_where_the_row_needs_one(options):
-    assert Options(**options).method_for(ri.System([LOSSY])) == "finite-difference"
+    """As one of damped rods does."""
+    row = ri.System([LOSSY])
+    assert Options(**options).method_for(row) == "finite-difference"
 
 
 @pytest.mark.parametrize(
@@ -237,7 +250,8 @@ def test_options_of_a_grid_are_taken_where_the_row_needs_one(options):
 def test_the_status_names_the_entry_that_calls_for_a_slower_method(
     system, options, sentence
 ):
-    assert sentence in ri.solve(system, until=1e-5, **options).status
+    solution = ri.solve(system, until=1e-5, **options)
+    assert sentence in solution.status
 
 
 @pytest.mark.parametrize(
@@ -250,7 +264,8 @@ def test_the_status_names_the_entry_that_calls_for_a_slower_method(
     ],
 )
 def test_the_status_names_no_entry_where_nothing_slower_was_chosen(system, options):
-    assert "slower" not in ri.solve(system, until=1e-5, **options).status
+    solution = ri.solve(system, until=1e-5, **options)
+    assert "slower" not in solution.status
 
 
 # What methods lack
@@ -314,24 +329,26 @@ def messages_of(method, system):
     ("system", "lacked"), FOR_CHARACTERISTICS.values(), ids=FOR_CHARACTERISTICS
 )
 def test_fronts_say_what_they_lack_and_which_method_has_it(system, lacked):
-    messages = {}
+    """It is the one that "auto" then takes. `lacked` has the features by path."""
+    remedy = 'method "characteristics" has'
+    expected = {}
     for path, feature in lacked.items():
-        messages[path] = (
-            f'method "fronts" has no {feature}; method "characteristics" has'
-        )
-    assert messages_of("fronts", system) == messages
+        expected[path] = f'method "fronts" has no {feature}; {remedy}'
+
+    assert messages_of("fronts", system) == expected
     assert Options(until=1.0).method_for(system) == "characteristics"
 
 
 @pytest.mark.parametrize("method", ["fronts", "characteristics"])
 @pytest.mark.parametrize(("system", "lacked"), FOR_A_GRID.values(), ids=FOR_A_GRID)
 def test_methods_say_what_they_lack_and_that_the_grid_has_it(system, lacked, method):
-    messages = {}
+    """It is the one that "auto" then takes. `lacked` has the features by path."""
+    remedy = 'method "finite-difference" has'
+    expected = {}
     for path, feature in lacked.items():
-        messages[path] = (
-            f'method "{method}" has no {feature}; method "finite-difference" has'
-        )
-    assert messages_of(method, system) == messages
+        expected[path] = f'method "{method}" has no {feature}; {remedy}'
+
+    assert messages_of(method, system) == expected
     assert Options(until=1.0).method_for(system) == "finite-difference"
 
 
@@ -340,19 +357,28 @@ def test_methods_are_tried_in_this_order():
 
 
 def test_steps_are_a_remedy_where_all_that_is_lacked_is_a_taper():
-    (message,) = messages_of("fronts", ri.System([CONE, ROD])).values()
+    row_with_taper = ri.System([CONE, ROD])
+
+    (message,) = messages_of("fronts", row_with_taper).values()
+
     assert message.endswith('"finite-difference" has, or give rod.in_steps(n)')
 
 
 def test_options_are_converted_pickled_and_hashed_as_values():
     options = Options(until=1, max_events=np.int64(5), snapshots=[0.0])
+    same = Options(until=1.0, max_events=5, snapshots=(0.0,))
+
     assert type(options.until) is float
     assert type(options.max_events) is int
     assert pickle.loads(pickle.dumps(options)) == options
-    assert hash(options) == hash(Options(until=1.0, max_events=5, snapshots=(0.0,)))
+    assert hash(options) == hash(same)
 
 
-def test_solve_and_sweep_take_every_option():
+def test_solve_takes_every_option_and_sweep_all_but_snapshots():
     names = {field.name for field in dataclasses.fields(Options)}
-    assert names <= set(inspect.signature(ri.solve).parameters)
-    assert names - {"snapshots"} <= set(inspect.signature(ri.sweep).parameters)
+
+    of_solve = set(inspect.signature(ri.solve).parameters)
+    of_sweep = set(inspect.signature(ri.sweep).parameters)
+
+    assert names <= of_solve
+    assert names - {"snapshots"} <= of_sweep
