@@ -48,18 +48,22 @@ def test_proofs_are_tried_8_times_a_second_and_not_once_each_short_transit(
     monkeypatch.setattr(finality, "update_groups", counted)
     with kernels.forced(compiling=False):
         solution = ri.solve(row(0.01, kind), method="characteristics")
+
     assert solution.final
-    runs = 2  # one at rtol, and one for the stated error
-    assert n_proofs <= runs * (8 * solution.t_end + 6)
+    most_of_a_run = 8 * solution.t_end + 6  # and six at other times
+    n_runs = 2  # one at rtol, and one for the stated error
+    assert n_proofs <= n_runs * most_of_a_run
 
 
 @pytest.mark.skipif(not kernels.enabled(), reason="a hundred thousand steps")
 def test_velocities_of_a_row_with_a_ratio_of_1e4_are_right_to_the_stated_error():
     pytest.importorskip("numba")
     system = row(1e-4, "rigid")
+    exact = ri.solve(system, method="fronts")
+
     with kernels.forced(compiling=True):
         solution = ri.solve(system, method="characteristics")
-    exact = ri.solve(system, method="fronts")
+
     stated = solution.accuracy["velocity"] * solution.fields.clock.scale
     velocities = np.array(solution.outcome.velocities_after)
     errors = np.abs(velocities - exact.outcome.velocities_after)
@@ -67,16 +71,19 @@ def test_velocities_of_a_row_with_a_ratio_of_1e4_are_right_to_the_stated_error()
 
 
 def test_a_run_with_too_many_pieces_names_the_short_rod_if_there_is_one(monkeypatch):
+    """Where no rod is short, a larger rtol is the remedy."""
     monkeypatch.setattr(memory, "MAX_BYTES", 3e5)
+
     with pytest.raises(memory.TooLong) as refusal:
         ri.solve(row(1e-5, "bonded hertz"), method="characteristics")
+    with pytest.raises(memory.TooLong, match="take a larger rtol"):
+        ri.solve(row(0.1, "hertz"), method="characteristics", until=1e3)
+
     problems = dict(refusal.value.problems)
     assert list(problems) == ["until"]
     sentence = problems["until"]
     assert "the transit time of bodies.1, which is 1e-05 of the longest" in sentence
     assert "replace it by a rigid mass" in sentence
-    with pytest.raises(memory.TooLong, match="take a larger rtol"):
-        ri.solve(row(0.1, "hertz"), method="characteristics", until=1e3)
 
 
 def run_of_page(system, options):
@@ -100,11 +107,15 @@ def run_of_page(system, options):
 def test_the_page_says_that_a_row_takes_too_long_before_it_begins(
     monkeypatch, kind, options
 ):
+    """A ratio of 1e-6 is too much work; a row with one of 0.01 is begun."""
+
     def begin(*_):
         raise AssertionError("the page has begun")
 
     monkeypatch.setattr(march, "run_nodes", begin)
+
     problem = run_of_page(row(1e-6, kind), options)["problem"]
+
     assert problem == ("", page.TOO_MUCH_WORK)
     with pytest.raises(AssertionError, match="the page has begun"):
         run_of_page(row(0.01, kind), options)
