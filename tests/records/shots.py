@@ -25,6 +25,19 @@ keep_last = lru_cache(maxsize=1)
 """
 
 
+def noisy_gauge(record, distance, noise, seed, dt):
+    """A gauge at a distance from the specimen, of what a rod strains at one place.
+
+    It begins with a rest of 100 us. The standard deviation of its noise is `noise`
+    times `PULSE_STRAIN`; `dt` is its interval, s.
+    """
+    clean = record.signal(dt).extended(before=1e-4)
+    rng = np.random.default_rng(seed)
+    white = rng.standard_normal(len(clean))
+    noisy = clean.values + noise * PULSE_STRAIN * white
+    return ri.BarGauge(clean.replace(values=noisy), distance)
+
+
 class Shot(NamedTuple):
     """A solved row of an input bar or a striker, a specimen and an output bar."""
 
@@ -32,30 +45,28 @@ class Shot(NamedTuple):
     specimen: ri.Specimen = SPECIMEN
 
     def gauge(self, body, distance, noise=0.002, seed=0, dt=DT):
-        """A gauge at a distance from the specimen; `noise` over the strain of the
-        pulse.
-        """
+        """A `noisy_gauge` of body 0 or 2 at a distance from the specimen, m."""
         x = distance
         if body == 0:
             x = float(self.solution.system.bodies[0].length) - distance
-        signal = self.solution.gauge(body, x).signal(dt).extended(before=1e-4)
-        rng = np.random.default_rng(seed)
-        noisy = signal.values + noise * PULSE_STRAIN * rng.standard_normal(len(signal))
-        return ri.BarGauge(signal.replace(values=noisy), distance)
+        record = self.solution.gauge(body, x)
+        return noisy_gauge(record, distance, noise, seed, dt)
 
     def strain(self, times):
-        """Nominal compressive strain of the specimen."""
+        """Nominal compressive strain of the specimen; 0 before the run, at t < 0."""
         times = np.maximum(times, 0.0)
         input_rod = self.solution.system.bodies[0]
         input_face = self.solution.displacement(0, float(input_rod.length), times)
         output_face = self.solution.displacement(2, 0.0, times)
-        return (input_face - output_face) / self.specimen.length
+        approach = input_face - output_face
+        return approach / self.specimen.length
 
     def stress(self, times):
         """Mean of the nominal stresses at both faces, Pa."""
         times = np.maximum(times, 0.0)
         forces = [contact.force(times) for contact in self.solution.contacts]
-        return np.mean(forces, axis=0) / self.specimen.section
+        mean_force = np.mean(forces, axis=0)
+        return mean_force / self.specimen.section
 
 
 def rod(length, diameter=DIAMETER, material=STEEL, **changes):
@@ -70,6 +81,7 @@ def rod(length, diameter=DIAMETER, material=STEEL, **changes):
 
 
 def specimen_rod(material=POLYMER):
+    """The specimen as a short rod."""
     return rod(SPECIMEN.length, SPECIMEN.diameter, material)
 
 
@@ -77,12 +89,13 @@ def solved(row, until, cells):
     """A run that keeps a state for each sample of the gauges; fewer would be
     interpolated.
     """
+    times_of_samples = np.arange(0.0, until, DT)
     return ri.solve(
         row,
         until=until,
         method="finite-difference",
         cells=cells,
-        snapshots=tuple(np.arange(0.0, until, DT).tolist()),
+        snapshots=tuple(times_of_samples.tolist()),
         progress=False,
     )
 
@@ -93,14 +106,12 @@ class CalibrationShot(NamedTuple):
     solution: ri.Solution
 
     def gauge(self, body, distance, noise, seed):
-        """A gauge of bar 1 or 2 at a distance from the joint."""
+        """A `noisy_gauge` of bar 1 or 2 at a distance from the joint, m."""
         x = distance
         if body == 1:
             x = float(self.solution.system.bodies[1].length) - distance
-        signal = self.solution.gauge(body, x).signal(DT).extended(before=1e-4)
-        rng = np.random.default_rng(seed)
-        noisy = signal.values + noise * PULSE_STRAIN * rng.standard_normal(len(signal))
-        return ri.BarGauge(signal.replace(values=noisy), distance)
+        record = self.solution.gauge(body, x)
+        return noisy_gauge(record, distance, noise, seed, DT)
 
 
 @keep_last
@@ -127,15 +138,26 @@ def trapezoid(duration, rise):
 def pressure_bar_shot(
     duration=150e-6, rise=30e-6, length=1.5, until=7e-4, material=POLYMER, cells=450
 ):
-    """A trapezoidal pulse runs through the input bar to the specimen."""
+    """A trapezoidal pulse runs through the input bar to the specimen.
+
+    The pulse has a duration and a rise, s; both bars have a length, m.
+    """
     level = trapezoid(duration, rise)
-    wave = ri.Samples([*(-PULSE_STRAIN * level), 0.0], step=1e-6)
-    row = ri.System(
-        [rod(length), specimen_rod(material), rod(length)],
+    bodies = [rod(length), specimen_rod(material), rod(length)]
+    return Shot(solved(row_under_pulse(bodies, level), until, cells))
+
+
+def row_under_pulse(bodies, level):
+    """Three rods, into which a compression of `PULSE_STRAIN` times a level, at whole
+    microseconds, runs from the left.
+    """
+    strain = -PULSE_STRAIN * level
+    wave = ri.Samples([*strain, 0.0], step=1e-6)
+    return ri.System(
+        bodies,
         contacts=[ri.Rigid(), ri.Rigid()],
         ends=[ri.Incoming(wave), ri.Free()],
     )
-    return Shot(solved(row, until, cells))
 
 
 STRIKER = ri.Rod(0.4, diameter=DIAMETER, material=STEEL, velocity=12.0)
@@ -144,10 +166,8 @@ STRIKER = ri.Rod(0.4, diameter=DIAMETER, material=STEEL, velocity=12.0)
 @keep_last
 def direct_impact(until=7e-4, cells=450):
     """A striker hits a soft specimen with mass, which lies on the output bar."""
-    row = ri.System(
-        [rod(0.4, velocity=12.0), specimen_rod(SOFT), rod(1.5)],
-        contacts=[ri.Rigid(), ri.Rigid()],
-    )
+    bodies = [rod(0.4, velocity=12.0), specimen_rod(SOFT), rod(1.5)]
+    row = ri.System(bodies, contacts=[ri.Rigid(), ri.Rigid()])
     return Shot(solved(row, until, cells))
 
 
@@ -158,24 +178,24 @@ class LawShot(NamedTuple):
     specimen: ri.Specimen = SPECIMEN
 
     def gauge(self, distance, noise=0.002, seed=0, dt=DT):
-        """A gauge of the bar; `noise` over `PULSE_STRAIN`."""
-        signal = self.solution.gauge(1, distance).signal(dt).extended(before=1e-4)
-        rng = np.random.default_rng(seed)
-        noisy = signal.values + noise * PULSE_STRAIN * rng.standard_normal(len(signal))
-        return ri.BarGauge(signal.replace(values=noisy), distance)
+        """A `noisy_gauge` of the bar at a distance from the specimen, m."""
+        record = self.solution.gauge(1, distance)
+        return noisy_gauge(record, distance, noise, seed, dt)
 
     def strain(self, times):
-        """Nominal compressive strain of the specimen."""
+        """Nominal compressive strain of the specimen; 0 before the run, at t < 0."""
         times = np.maximum(times, 0.0)
         striker = self.solution.system.bodies[0]
-        x = getattr(striker, "length", 0.0)  # a rigid mass has none
-        approach = self.solution.displacement(0, x, times)
-        approach = approach - self.solution.displacement(1, 0.0, times)
+        length = getattr(striker, "length", 0.0)  # a rigid mass has none
+        striker_face = self.solution.displacement(0, length, times)
+        bar_face = self.solution.displacement(1, 0.0, times)
+        approach = striker_face - bar_face
         return approach / self.specimen.length
 
     def stress(self, times):
         """Nominal stress of the specimen, Pa."""
-        force = self.solution.contacts[0].force(np.maximum(times, 0.0))
+        times = np.maximum(times, 0.0)
+        force = self.solution.contacts[0].force(times)
         return force / self.specimen.section
 
 
@@ -207,17 +227,9 @@ def smooth_shot(duration, until, rise=80e-6):
     """A pulse with smooth corners runs through a thin input bar to the specimen."""
     level = trapezoid(duration, rise)
     smooth_level = level**2 * (3 - 2 * level)
-    wave = ri.Samples([*(-PULSE_STRAIN * smooth_level), 0.0], step=1e-6)
-    bodies = [
-        rod(1.5, THIN_DIAMETER),
-        rod(THIN_SPECIMEN.length, THIN_SPECIMEN.diameter, POLYMER),
-        rod(1.5, THIN_DIAMETER),
-    ]
-    row = ri.System(
-        bodies,
-        contacts=[ri.Rigid(), ri.Rigid()],
-        ends=[ri.Incoming(wave), ri.Free()],
-    )
+    bar = rod(1.5, THIN_DIAMETER)
+    specimen = rod(THIN_SPECIMEN.length, THIN_SPECIMEN.diameter, POLYMER)
+    row = row_under_pulse([bar, specimen, bar], smooth_level)
     return Shot(solved(row, until, cells=1500), THIN_SPECIMEN)
 
 
@@ -225,18 +237,18 @@ def smooth_shot(duration, until, rise=80e-6):
 def slow_direct_impact(until=7e-4):
     """A striker of 3 m/s hits a specimen without mass that yields at 1 % of strain."""
     law = ri.Yielding(stiffness=2.1e7, yield_force=1.7e3, hardening=1e6)
-    bodies = [rod(0.4, THIN_DIAMETER, velocity=3.0), rod(1.5, THIN_DIAMETER)]
-    row = ri.System(bodies, contacts=[law])
+    striker = rod(0.4, THIN_DIAMETER, velocity=3.0)
+    bar = rod(1.5, THIN_DIAMETER)
+    row = ri.System([striker, bar], contacts=[law])
     return LawShot(solved(row, until, cells=450), SLOW_SPECIMEN)
 
 
 @keep_last
 def slow_direct_impact_with_mass(until=7e-4):
     """A striker of 3 m/s hits a specimen that is a short rod on the output bar."""
-    bodies = [
-        rod(0.4, THIN_DIAMETER, velocity=3.0),
-        rod(SLOW_SPECIMEN.length, SLOW_SPECIMEN.diameter, POLYMER),
-        rod(1.5, THIN_DIAMETER),
-    ]
+    striker = rod(0.4, THIN_DIAMETER, velocity=3.0)
+    specimen = rod(SLOW_SPECIMEN.length, SLOW_SPECIMEN.diameter, POLYMER)
+    bar = rod(1.5, THIN_DIAMETER)
+    bodies = [striker, specimen, bar]
     row = ri.System(bodies, contacts=[ri.Rigid(), ri.Rigid()])
     return Shot(solved(row, until, cells=450), SLOW_SPECIMEN)

@@ -33,11 +33,22 @@ def cut_pulses(shot, rest=30e-6, seed=0):
     """
     on_input = shot.gauge(0, DISTANCE, seed=2 * seed)
     on_output = shot.gauge(2, DISTANCE, seed=2 * seed + 1)
-    return (
-        cut(on_input, TRAVEL - rest, TRAVEL + 215e-6),
-        cut(on_input, 3 * TRAVEL - rest, 3 * TRAVEL + 230e-6),
-        cut(on_output, 3 * TRAVEL - rest, 3 * TRAVEL + 230e-6),
-    )
+    comes_back = 3 * TRAVEL
+    incident = cut(on_input, TRAVEL - rest, TRAVEL + 215e-6)
+    reflected = cut(on_input, comes_back - rest, comes_back + 230e-6)
+    transmitted = cut(on_output, comes_back - rest, comes_back + 230e-6)
+    return incident, reflected, transmitted
+
+
+def is_plastic(strain):
+    """Whether each sample of a strain lies above 1 %, while loading."""
+    is_loading = np.arange(len(strain)) <= strain.argmax()
+    return is_loading & (strain > 0.01)
+
+
+def rms(errors):
+    """Root of the mean square."""
+    return np.sqrt(np.mean(errors**2))
 
 
 def errors_over_time(shot, result):
@@ -46,22 +57,22 @@ def errors_over_time(shot, result):
     """
     strain = shot.strain(result.times)
     stress = shot.stress(result.times)
-    loading = np.arange(len(strain)) <= strain.argmax()
-    is_plastic = loading & (strain > 0.01)
-    stress_error = result.stress[is_plastic] / stress[is_plastic] - 1
-    strain_error = (result.strain - strain)[is_plastic] / strain.max()
-    return np.sqrt(np.mean(stress_error**2)), np.abs(strain_error).max()
+    plastic = is_plastic(strain)
+    stress_errors = result.stress[plastic] / stress[plastic] - 1
+    strain_errors = np.abs(result.strain - strain)[plastic] / strain.max()
+    return rms(stress_errors), strain_errors.max()
 
 
 def stress_error_at_strain(shot, result):
     """Root mean square relative error of the stress at strains of 1.1 % and more."""
     times = np.arange(2.9e-4, 7e-4, 1e-6)
     strain = shot.strain(times)
-    up = slice(0, int(strain.argmax()) + 1)
+    stress = shot.stress(times)
+    loading = slice(0, int(strain.argmax()) + 1)
     strains = np.linspace(0.011, 0.97 * strain.max(), 200)
-    truth = np.interp(strains, strain[up], shot.stress(times)[up])
-    error = result.at_strain(strains, result.stress) / truth - 1
-    return np.sqrt(np.mean(error**2))
+    true_stress = np.interp(strains, strain[loading], stress[loading])
+    errors = result.at_strain(strains, result.stress) / true_stress - 1
+    return rms(errors)
 
 
 @pytest.mark.parametrize("rest", few_of([30e-6, 1e-6], [1e-6]))
@@ -81,19 +92,29 @@ def test_the_band_of_cut_pulses_covers_90_percent_of_the_stress(shot, count):
     for seed in range(count):
         pulses = ri.CutPulses(*cut_pulses(shot, seed=seed))
         result = ri.reduce(pulses=pulses, bars=BAR, specimen=SPECIMEN)
-        strain = shot.strain(result.times)
-        is_plastic = (strain > 0.01) & (np.arange(len(strain)) <= strain.argmax())
+        plastic = is_plastic(shot.strain(result.times))
         error = np.abs(result.stress - shot.stress(result.times))
-        covered.append(np.mean((error <= result.stress_band)[is_plastic]))
+        is_within = error <= result.stress_band
+        covered.append(np.mean(is_within[plastic]))
     assert np.mean(covered) > 0.9
+
+
+def pulses_from_0(shot):
+    """Gauges of the cut pulses with times of their own, which begin together, to some
+    microseconds.
+    """
+    offsets = (0.0, 3e-6, -7e-6)  # s, by which they begin before 0
+    gauges = []
+    for gauge, offset in zip(cut_pulses(shot), offsets, strict=True):
+        start = gauge.signal.start + offset
+        from_0 = gauge.signal.shifted(-start)
+        gauges.append(gauge.replace(signal=from_0))
+    return gauges
 
 
 def test_cut_pulses_with_times_of_their_own_give_the_stress_if_that_is_said(shot):
     """They begin together; the modulus of the specimen aligns them better."""
-    gauges = []
-    for gauge, offset in zip(cut_pulses(shot), (0.0, 3e-6, -7e-6), strict=True):
-        start = gauge.signal.start + offset
-        gauges.append(gauge.replace(signal=gauge.signal.shifted(-start)))
+    gauges = pulses_from_0(shot)
     pulses = ri.CutPulses(*gauges, clock="own")
     elastic = SPECIMEN.replace(youngs_modulus=6e9)
 
@@ -101,18 +122,20 @@ def test_cut_pulses_with_times_of_their_own_give_the_stress_if_that_is_said(shot
 
     assert result.doubts == ()
     assert stress_error_at_strain(shot, result) < 0.01
+
+
+def test_cut_pulses_that_begin_together_are_refused_if_it_is_not_said(shot):
+    pulses = ri.CutPulses(*pulses_from_0(shot))
     with pytest.raises(ri.InvalidModel, match='clock="own"'):
-        ri.reduce(pulses=ri.CutPulses(*gauges), bars=BAR, specimen=SPECIMEN)
+        ri.reduce(pulses=pulses, bars=BAR, specimen=SPECIMEN)
 
 
 def test_gauges_with_a_gain_and_opposite_sides_are_cut_too(shot):
     incident, reflected, transmitted = cut_pulses(shot)
+    gain = 5.0
+    volts = transmitted.signal / gain
     # The same strain, with bending of a tenth
-    in_volts = transmitted.replace(
-        signal=1.1 * transmitted.signal / 5,
-        opposite=0.9 * transmitted.signal / 5,
-        gain=5.0,
-    )
+    in_volts = transmitted.replace(signal=1.1 * volts, opposite=0.9 * volts, gain=gain)
     pulses = ri.CutPulses(incident, reflected, transmitted)
     pulses_in_volts = ri.CutPulses(incident, reflected, in_volts)
 
@@ -133,13 +156,10 @@ def test_mistakes_of_cut_pulses_are_named(shot):
         ri.CutPulses(incident, reflected.replace(distance=0.5), transmitted)
     with pytest.raises(ri.InvalidModel, match="one of 'common', 'own'"):
         ri.CutPulses(incident, reflected, transmitted, clock="none")
-    short = incident.replace(signal=incident.signal.window(0, TRAVEL + 100e-6))
+    without_end = cut(incident, 0, TRAVEL + 100e-6)
+    cut_short = ri.CutPulses(without_end, reflected, transmitted)
     with pytest.raises(ri.InvalidModel, match="of its largest strain"):
-        ri.reduce(
-            pulses=ri.CutPulses(short, reflected, transmitted),
-            bars=BAR,
-            specimen=SPECIMEN,
-        )
+        ri.reduce(pulses=cut_short, bars=BAR, specimen=SPECIMEN)
 
 
 def test_a_record_that_begins_after_its_wave_left_the_specimen_gives_the_same_stress(
@@ -160,17 +180,22 @@ def test_a_record_that_begins_after_its_wave_left_the_specimen_gives_the_same_st
 
 
 def ramp_record(rest, rise, end):
-    """A slow ramp after some rest, with noise, and its equally slow fall."""
+    """A slow ramp to a strain of -1e-3 after some rest, with noise, and its equally
+    slow fall: rest, rise and end in s.
+    """
     times = np.arange(0.0, end, 1e-6)
-    ramp = np.minimum((times - rest) / rise, (rest + 2.2 * rise - times) / rise)
+    fall_end = rest + 2.2 * rise
+    up = (times - rest) / rise
+    down = (fall_end - times) / rise
+    level = np.clip(np.minimum(up, down), 0, 1)
     rng = np.random.default_rng(0)
     noise = 1e-6 * rng.standard_normal(len(times))
-    return ri.Signal(-1e-3 * np.clip(ramp, 0, 1) + noise, times)
+    return ri.Signal(-1e-3 * level + noise, times)
 
 
 def test_as_much_rest_as_the_rise_is_enough():
     """400 us of rest before a ramp of 400 us, which a stiff specimen transmits."""
-    record = ramp_record(400e-6, 400e-6, end=5e-3)
+    record = ramp_record(rest=400e-6, rise=400e-6, end=5e-3)
     metal = ri.Material("metal", youngs_modulus=2e11, density=8e3)
     bar = ri.Rod(8.0, area=1e-4, material=metal)
     travel = 2 * 3.9 / 5000.0  # s, from one gauge to the other
@@ -185,8 +210,10 @@ def test_as_much_rest_as_the_rise_is_enough():
 
 def gauges_with_rest(count):
     """Gauges whose records have so many samples at rest, of 1 us, before a ramp."""
-    record = ramp_record(count * 1e-6, 40e-6, end=6e-4)
-    return ri.BarGauge(record, 0.75), ri.BarGauge(record.shifted(3e-4), 0.75)
+    record = ramp_record(rest=count * 1e-6, rise=40e-6, end=6e-4)
+    on_input = ri.BarGauge(record, DISTANCE)
+    on_output = ri.BarGauge(record.shifted(3e-4), DISTANCE)
+    return on_input, on_output
 
 
 def test_16_samples_at_rest_are_needed_and_told():
@@ -203,5 +230,7 @@ def test_16_samples_at_rest_are_needed_and_told():
 def test_24_samples_at_rest_are_enough():
     result = ri.reduce(*gauges_with_rest(24), BAR, SPECIMEN)
 
-    stress = 1e-3 * shots.STEEL.youngs_modulus * BAR.segments[0].area / SPECIMEN.section
+    # The specimen transmits all of the strain of 1e-3.
+    force = 1e-3 * shots.STEEL.youngs_modulus * BAR.segments[0].area
+    stress = force / SPECIMEN.section
     assert result.stress.max() == pytest.approx(stress, rel=0.02)

@@ -20,10 +20,12 @@ def sheet():
     """Rows of a sheet: a title, heads, then 40 times and volts and 30 strains."""
     rows = [["Shot 12", None, None], HEADS]
     for k in range(40):
+        microseconds = 1e6 * TIMES[k]
+        millivolts = 1e3 * WAVE[k]
         transmitted = 2 * WAVE[k]
         if k >= 30:
             transmitted = None
-        rows.append([1e6 * TIMES[k], 1e3 * WAVE[k], transmitted])
+        rows.append([microseconds, millivolts, transmitted])
     return rows
 
 
@@ -37,27 +39,37 @@ def write_xlsx(path, rows):
     book.save(path)
 
 
+# Kinds of records of a worksheet of BIFF2
+BOF = 0x0009
+NUMBER = 0x0003
+LABEL = 0x0004
+EOF = 0x000A
+
+
 def write_xls(path, rows):
     """A worksheet of BIFF2, the first and simplest form of .xls.
 
     Its records are described in "OpenOffice.org's documentation of the Microsoft Excel
-    file format": BOF 0009h, NUMBER 0003h, LABEL 0004h, EOF 000Ah.
+    file format".
     """
     pytest.importorskip("xlrd")
 
     def record(kind, data):
         return struct.pack("<HH", kind, len(data)) + data
 
-    stream = record(0x0009, struct.pack("<HH", 2, 0x0010))
+    stream = record(BOF, struct.pack("<HH", 2, 0x0010))
     for i, row in enumerate(rows):
         for j, cell in enumerate(row):
             row_and_column = struct.pack("<HH3x", i, j)
             if isinstance(cell, str):
                 text = cell.encode("ascii")
-                stream += record(0x0004, row_and_column + bytes([len(text)]) + text)
+                length = bytes([len(text)])
+                stream += record(LABEL, row_and_column + length + text)
             elif cell is not None:
-                stream += record(0x0003, row_and_column + struct.pack("<d", cell))
-    path.write_bytes(stream + record(0x000A, b""))
+                number = struct.pack("<d", cell)
+                stream += record(NUMBER, row_and_column + number)
+    stream += record(EOF, b"")
+    path.write_bytes(stream)
 
 
 @pytest.mark.parametrize(
@@ -92,7 +104,8 @@ def test_a_wrong_cell_of_a_workbook_is_named_by_line_and_column(
         ri.read_signals(path)
     # The remedy is to cut the record before that line: 18 samples below two lines.
     write(path, rows[:20])
-    assert len(ri.read_signals(path)["incident"]) == 18
+    incident = ri.read_signals(path)["incident"]
+    assert len(incident) == 18
 
 
 def test_a_text_that_is_called_xls_is_read_as_text(tmp_path):
@@ -159,23 +172,30 @@ def test_a_tdms_file_has_times_and_units_in_its_properties(tmp_path):
         ("bars", "force", WAVE[:30], CLOCK | {"unit_string": "Volts"}),
         ("wall", "force", WAVE, CLOCK),
     )
+
     record = ri.read_signals(path)
+
     assert list(record) == ["incident", "bars/force", "wall/force"]
-    assert [signal.unit for signal in record.values()] == ["V", "V", ""]
-    np.testing.assert_allclose(record["incident"].values, WAVE, rtol=1e-14)
-    np.testing.assert_allclose(record["incident"].times, TIMES - 5e-6, atol=1e-18)
-    assert len(record["bars/force"]) == 30
+    incident, force, wall_force = record.values()
+    assert incident.unit == "V"
+    assert force.unit == "V"
+    assert wall_force.unit == ""
+    np.testing.assert_allclose(incident.values, WAVE, rtol=1e-14)
+    np.testing.assert_allclose(incident.times, TIMES - 5e-6, atol=1e-18)
+    assert len(force) == 30
 
 
-def test_a_tdms_file_without_a_clock_has_a_column_of_times_or_a_rate(tmp_path):
+def test_a_tdms_file_without_a_clock_may_have_a_column_of_times(tmp_path):
     path = tmp_path / "shot.tdms"
     times = ("shot", "t", 1e6 * TIMES, {"unit_string": "us"})
-    wave = ("shot", "a", WAVE)
+    write_tdms(path, times, ("shot", "a", WAVE))
+    signal = ri.read_signals(path)["a"]
+    np.testing.assert_allclose(signal.times, TIMES, atol=1e-18)
 
-    write_tdms(path, times, wave)
-    np.testing.assert_allclose(ri.read_signals(path)["a"].times, TIMES, atol=1e-18)
 
-    write_tdms(path, wave)
+def test_a_tdms_file_without_times_needs_a_rate(tmp_path):
+    path = tmp_path / "shot.tdms"
+    write_tdms(path, ("shot", "a", WAVE))
     with pytest.raises(FileFormatError, match="or give rate="):
         ri.read_signals(path)
     by_rate = ri.read_signals(path, rate=1e6, units="V")["a"]
@@ -184,14 +204,15 @@ def test_a_tdms_file_without_a_clock_has_a_column_of_times_or_a_rate(tmp_path):
 
 
 def test_channels_of_a_tdms_file_with_two_clocks_need_two_files(tmp_path):
-    path = tmp_path / "shot.tdms"
+    both = tmp_path / "both.tdms"
+    slow_alone = tmp_path / "slow.tdms"
     fast = ("shot", "a", WAVE, CLOCK)
     slow = ("shot", "b", WAVE, {"wf_increment": 2e-6})
+    write_tdms(both, fast, slow)
+    write_tdms(slow_alone, slow)
+
     message = r"'b' has the time step 2e-06 s .* different"
-
-    write_tdms(path, fast, slow)
     with pytest.raises(FileFormatError, match=message):
-        ri.read_signals(path)
-
-    write_tdms(path, slow)
-    assert ri.read_signals(path)["b"].dt == pytest.approx(2e-6)
+        ri.read_signals(both)
+    signal = ri.read_signals(slow_alone)["b"]
+    assert signal.dt == pytest.approx(2e-6)

@@ -109,15 +109,19 @@ def test_a_single_column_with_a_rate_is_a_signal_with_the_unit_of_its_head(read)
 def test_numbers_are_read_with_the_decimal_sign_that_they_must_have(
     read, text, options, values
 ):
-    assert read(text, **options)["a"].values.tolist() == values
+    signal = read(text, **options)["a"]
+    assert signal.values.tolist() == values
 
 
 def test_a_comma_separates_columns_or_is_a_decimal_sign_as_heads_or_arguments_say(read):
     text = "1,5\n2,5\n"
-    assert read(text, rate=1.0, decimal=",")["1"].values.tolist() == [1.5, 2.5]
-    assert list(read(text, rate=1.0, decimal=".")) == ["1", "2"]
-    assert list(read("a,b\n" + text, rate=1.0)) == ["a", "b"]
+    by_decimal_comma = read(text, rate=1.0, decimal=",")
+    by_decimal_point = read(text, rate=1.0, decimal=".")
+    by_heads = read("a,b\n" + text, rate=1.0)
     quoted = read('0,1\n1,"2,5"\n', time_unit="s", decimal=",")
+    assert by_decimal_comma["1"].values.tolist() == [1.5, 2.5]
+    assert list(by_decimal_point) == ["1", "2"]
+    assert list(by_heads) == ["a", "b"]
     assert quoted["2"].values.tolist() == [1.0, 2.5]
 
 
@@ -301,8 +305,11 @@ def test_a_text_that_is_no_record_is_refused_with_the_line_or_column(
     ],
 )
 def test_wrong_options_are_refused(read, options, said):
+    """Each spoils a call that is right with a rate of 1 Hz."""
+    arguments = {"rate": 1.0}
+    arguments.update(options)
     with pytest.raises(ValueError, match=said):
-        read("a\n1\n2\n", **({"rate": 1.0} | options))
+        read("a\n1\n2\n", **arguments)
 
 
 def table_of(times, values):
@@ -313,29 +320,36 @@ def table_of(times, values):
     return "".join(lines)
 
 
+SAMPLE_TIMES = np.arange(300)  # us
+ROUGH_WAVE = 3 * np.sin(SAMPLE_TIMES / 40) + 0.1 * np.sin(SAMPLE_TIMES**2)
+"""A wave of 3 V with some noise, no two samples of which are equal."""
+
+
 def test_a_channel_at_the_limit_of_its_recorder_is_announced(read):
-    times = np.arange(300)
-    wave = 3 * np.sin(times / 40) + 0.1 * np.sin(times * times)
+    limit = 2.0  # V
+    text = table_of(SAMPLE_TIMES, np.minimum(ROUGH_WAVE, limit))
     message = "column 'a' stays at 2 for [0-9]+ samples from line"
 
     with pytest.warns(ri.ClippedSignal, match=message):
-        clipped = read(table_of(times, np.minimum(wave, 2.0)))["a"]
+        clipped = read(text)["a"]
 
-    assert clipped.values.max() == 2.0
+    assert clipped.values.max() == limit
 
 
 def test_rounded_values_and_computed_steps_are_not_taken_for_a_limit(read):
-    times = np.arange(300)
-    wave = 3 * np.sin(times / 40) + 0.1 * np.sin(times * times)
-    step = np.where((times > 100) & (times < 200), -1.0, 0.0)
-    # Warnings are errors here.
-    read(table_of(times, wave.round(1)))
-    read(table_of(times, step))
+    """Warnings are errors in these tests."""
+    rounded = ROUGH_WAVE.round(1)
+    is_pushed = (SAMPLE_TIMES > 100) & (SAMPLE_TIMES < 200)
+    step = np.where(is_pushed, -1.0, 0.0)
+    read(table_of(SAMPLE_TIMES, rounded))
+    read(table_of(SAMPLE_TIMES, step))
 
 
 def test_times_that_are_not_uniform_on_purpose_are_no_gap(read):
-    times = np.cumsum(np.arange(1, 20) ** 2)
-    signal = read(table_of(times, np.ones(19)))["a"]
+    steps = np.arange(1, 20) ** 2  # us; each is larger than the one before
+    times = np.cumsum(steps)
+    text = table_of(times, np.ones(19))
+    signal = read(text)["a"]
     assert signal.times == pytest.approx(1e-6 * times, rel=1e-15)
 
 
@@ -372,24 +386,29 @@ def test_memory_is_bounded_by_four_times_the_file(
     path = tmp_path / "shot.csv"
     path.write_text("time_s,a\n0,1\n1,2\n")
     ri.read_signals(path)  # all modules are imported before memory is measured
-    numbers = np.random.default_rng(0).integers(10 ** (digits - 1), 10**digits, 20_000)
-    rows = [f"{i},{number}" for i, number in enumerate(numbers.tolist())]
+    rng = np.random.default_rng(0)
+    numbers = rng.integers(10 ** (digits - 1), 10**digits, 20_000).tolist()
+    rows = [f"{i},{number}" for i, number in enumerate(numbers)]
     if wrong_end:
-        rows[-1] = f"{len(rows) - 1},{wrong_end}"
+        last = len(rows) - 1
+        rows[last] = f"{last},{wrong_end}"
     path.write_text("time_s,a\n" + "\n".join(rows))
 
-    def signal_or_message():
+    def values_or_message():
         try:
-            return ri.read_signals(path)["a"]
+            return ri.read_signals(path)["a"].values
         except FileFormatError as error:
             return str(error)
 
-    answer, peak = peak_of(signal_or_message)
+    answer, peak = peak_of(values_or_message)
+
     if wrong_end:
-        assert f"line {len(rows) + 1}" in answer
+        last_line = len(rows) + 1  # with the heads
+        assert f"line {last_line}" in answer
     else:
-        assert answer.values.tolist() == numbers.tolist()
-    assert peak < 4 * path.stat().st_size
+        assert answer.tolist() == numbers
+    size = path.stat().st_size
+    assert peak < 4 * size
 
 
 @pytest.mark.exhaustive
@@ -423,8 +442,8 @@ def test_a_table_that_takes_half_the_memory_is_refused_before_it_is_read(
     read, monkeypatch
 ):
     text = "time_s,a\n0,1\n1,2\n"
-    # Reading takes up to four times the file.
-    monkeypatch.setattr(memory, "installed", lambda: 2 * 4.0 * len(text) - 1)
+    needed = 4 * len(text)  # bytes: reading takes up to four times the file
+    monkeypatch.setattr(memory, "installed", lambda: 2.0 * needed - 1)
     message = r"shot\.txt: takes up to .* GB of memory, more"
 
     with pytest.raises(MemoryError, match=message):
@@ -442,13 +461,16 @@ def test_blank_lines_and_cells_change_neither_numbers_nor_the_lines_that_are_nam
         lines.append(f"{i},{value},,")
         if i % 5 == 0:
             lines.append("")
-    text = "\n".join([*lines, ",,,", "", ""])
     last_line = lines.index("299,4,,") + 1
-    message = f"line {last_line}, column 'time': 298 s comes after"
+    text = "\n".join([*lines, ",,,", "", ""])
+    with_doubled_time = text.replace("\n299,4", "\n298,4")
 
-    assert read(text)["a"].values.tolist() == values
+    signal = read(text)["a"]
+
+    assert signal.values.tolist() == values
+    message = f"line {last_line}, column 'time': 298 s comes after"
     with pytest.raises(FileFormatError, match=message):
-        read(text.replace("\n299,4", "\n298,4"))
+        read(with_doubled_time)
 
 
 LVM = "\n".join(
@@ -519,7 +541,8 @@ def test_files_of_labview_and_tektronix_say_units_and_times(tmp_path, text):
 
     assert list(record) == ["incident", "transmitted"]
     incident, transmitted = record.values()
-    np.testing.assert_allclose(incident.values, 1e-3 * np.array(INCIDENT), rtol=1e-12)
+    volts = 1e-3 * np.array(INCIDENT)
+    np.testing.assert_allclose(incident.values, volts, rtol=1e-12)
     np.testing.assert_allclose(transmitted.values, TRANSMITTED, rtol=1e-12)
     for signal in (incident, transmitted):
         np.testing.assert_allclose(signal.times, TIMES, rtol=1e-9)
@@ -537,9 +560,11 @@ def test_entries_of_a_scope_may_stand_beside_its_table(tmp_path):
         ",,",
         ",,",
     ]
-    rows = [
-        f"{entry},{1e-6 * i:015.9f},{i * i:9.4f}," for i, entry in enumerate(entries)
-    ]
+    rows = []
+    for i, entry in enumerate(entries):
+        time = 1e-6 * i
+        volts = i * i
+        rows.append(f"{entry},{time:015.9f},{volts:9.4f},")
     path = tmp_path / "shot.csv"
     path.write_text("\n".join(rows))
 
@@ -555,24 +580,32 @@ def test_empty_entries_of_labview_are_missing_ones(tmp_path):
     path = tmp_path / "shot"
     with_times = LVM.format(columns="One", sign=".") + "\n".join(ROWS)
     without_times = LVM.format(columns="No", sign=".") + ROWS_WITHOUT_TIMES
-    for text in (
-        with_times.replace("X_Columns\tOne", "X_Columns\t"),
-        without_times.replace("Decimal_Separator\t.", "Decimal_Separator\t"),
-    ):
+    no_columns = with_times.replace("X_Columns\tOne", "X_Columns\t")
+    no_sign = without_times.replace("Decimal_Separator\t.", "Decimal_Separator\t")
+    for text in (no_columns, no_sign):
         path.write_text(text)
-        assert list(ri.read_signals(path)) == ["incident", "transmitted"]
+        record = ri.read_signals(path)
+        assert list(record) == ["incident", "transmitted"]
 
-    path.write_text(without_times.replace("X0\t1.0E-3\t1.0E-3", "X0\t\t"))
+    no_start = without_times.replace("X0\t1.0E-3\t1.0E-3", "X0\t\t")
+    path.write_text(no_start)
     with pytest.raises(ri.FileFormatError, match="no numbers X0 and Delta_X"):
         ri.read_signals(path)
 
 
-def test_empty_units_of_tektronix_are_missing_ones(tmp_path):
+def test_an_empty_unit_of_a_channel_of_tektronix_is_none(tmp_path):
     path = tmp_path / "shot"
-    path.write_text(MSO.replace("Vertical Units,mV,V", "Vertical Units,,V"))
-    assert [signal.unit for signal in ri.read_signals(path).values()] == ["", "V"]
+    text = MSO.replace("Vertical Units,mV,V", "Vertical Units,,V")
+    path.write_text(text)
+    incident, transmitted = ri.read_signals(path).values()
+    assert incident.unit == ""
+    assert transmitted.unit == "V"
 
-    path.write_text(MSO.replace("Horizontal Units,s", "Horizontal Units,"))
+
+def test_an_empty_unit_of_time_of_tektronix_is_missing(tmp_path):
+    path = tmp_path / "shot"
+    text = MSO.replace("Horizontal Units,s", "Horizontal Units,")
+    path.write_text(text)
     with pytest.raises(ri.FileFormatError, match="has no unit of time; give time_unit"):
         ri.read_signals(path)
 

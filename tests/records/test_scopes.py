@@ -173,8 +173,11 @@ def test_missing_and_doubled_samples_are_not_taken_for_rounding(tmp_path):
     for step, message in [(2.0, "samples are missing"), (0.0, "times must increase")]:
         steps = np.ones(200)
         steps[100] = step
-        lines = [f"{time:.0f},{k % 7}" for k, time in enumerate(np.cumsum(steps))]
-        path.write_text("t [us],a [V]\n" + "\n".join(lines))
+        times = np.cumsum(steps)
+        lines = ["t [us],a [V]"]
+        for k, time in enumerate(times):
+            lines.append(f"{time:.0f},{k % 7}")
+        path.write_text("\n".join(lines))
         with pytest.raises(FileFormatError, match=message):
             ri.read_signals(path)
 
@@ -197,7 +200,9 @@ def test_a_yokogawa_scope_tells_resolution_and_offset(tmp_path, before, gap):
     It gives the time of row k as HResolution (k - 1) + HOffset.
     """
     path = tmp_path / "shot.csv"
-    data = "".join(f"{before}{line}\n" for line in rows(WAVE, -WAVE).splitlines())
+    data = ""
+    for line in rows(WAVE, -WAVE).splitlines():
+        data += f"{before}{line}\n"
     path.write_text(YOKOGAWA + gap + data)
 
     record = ri.read_signals(path)
@@ -220,13 +225,15 @@ def test_several_blocks_of_a_yokogawa_scope_are_refused(tmp_path):
 def test_a_yokogawa_scope_without_a_resolution_needs_a_rate(tmp_path):
     path = tmp_path / "shot.csv"
     data = rows(WAVE, -WAVE)
-    path.write_text(YOKOGAWA.replace("1.0E-06", "") + data)
+    head = YOKOGAWA.replace("1.0E-06", "")
+    path.write_text(head + data)
 
     with pytest.raises(FileFormatError, match="no numbers HResolution and HOffset"):
         ri.read_signals(path)
     # The remedy is to leave the head out and to give the rate.
     path.write_text(data)
-    assert list(ri.read_signals(path, rate=1e6, units="V")) == ["1", "2"]
+    record = ri.read_signals(path, rate=1e6, units="V")
+    assert list(record) == ["1", "2"]
 
 
 KEYSIGHT = (
@@ -276,6 +283,11 @@ def test_a_keysight_infiniivision_scope_tells_channels_and_units(tmp_path):
     assert record["2"].values == pytest.approx(-WAVE, abs=1e-8)
 
 
+def catman_heads(name, unit, sensor):
+    """The 29 heads of a column: its name, its unit, and what else catman writes."""
+    return [name, unit] + ["50000 Hz", sensor] * 13 + ["-"]
+
+
 def test_catman_tells_names_and_units_two_dozen_lines_above_the_numbers(tmp_path):
     """Public readers of its text skip seven lines and a blank one, and take 29 lines of
     heads.
@@ -283,24 +295,28 @@ def test_catman_tells_names_and_units_two_dozen_lines_above_the_numbers(tmp_path
     The first line of heads has the names, the second the units; cells end at tabs,
     numbers have decimal commas.
     """
-    head = [f"line {k}\tof the file" for k in range(7)]
+    first_lines = [f"line {k}\tof the file" for k in range(7)]
     columns = [
-        ["Time  1 - default sample rate", "s"] + ["50000 Hz", "36010"] * 13 + ["-"],
-        ["Load", "kN"] + ["50000 Hz", "36011"] * 13 + ["-"],
-        ["SG_1 MX840", "\u00b5m/m"] + ["50000 Hz", "36012"] * 13 + ["-"],
+        catman_heads("Time  1 - default sample rate", "s", "36010"),
+        catman_heads("Load", "kN", "36011"),
+        catman_heads("SG_1 MX840", "\u00b5m/m", "36012"),
     ]
     heads = ["\t".join(cells) for cells in zip(*columns, strict=True)]
-    lines = [*head, "", *heads, ""]
-    numbers = rows(TIMES, WAVE, 1e3 * WAVE).replace(",", "\t").replace(".", ",")
+    numbers = rows(TIMES, WAVE, 1e3 * WAVE)
+    numbers = numbers.replace(",", "\t").replace(".", ",")
+    text = "\n".join([*first_lines, "", *heads, "", numbers])
     path = tmp_path / "shot.asc"
-    path.write_text("\n".join(lines) + "\n" + numbers, encoding="latin-1")
+    path.write_text(text, encoding="latin-1")
+
     record = ri.read_signals(path)
+
     assert list(record) == ["Load", "SG_1 MX840"]
-    assert record["Load"].unit == "N"
-    assert record["Load"].values == pytest.approx(1e3 * WAVE, abs=1e-5)
-    assert record["SG_1 MX840"].unit == ""
-    assert record["SG_1 MX840"].values == pytest.approx(1e-3 * WAVE, abs=1e-11)
-    assert record["Load"].times == pytest.approx(TIMES, abs=1e-12)
+    load, strain = record.values()
+    assert load.unit == "N"
+    assert load.values == pytest.approx(1e3 * WAVE, abs=1e-5)
+    assert load.times == pytest.approx(TIMES, abs=1e-12)
+    assert strain.unit == ""
+    assert strain.values == pytest.approx(1e-3 * WAVE, abs=1e-11)
 
 
 def test_labview_files_with_commas_between_cells_are_read(tmp_path):

@@ -43,18 +43,25 @@ class Reduced(NamedTuple):
 
     @property
     def loading(self):
-        """Samples above `MIN_STRAIN` up to the largest strain."""
+        """Whether each sample lies above `MIN_STRAIN`, up to the largest strain."""
         strain = self.shot.strain(self.reduction.times)
-        return (strain >= MIN_STRAIN) & (np.arange(len(strain)) <= strain.argmax())
+        is_up_to_peak = np.arange(len(strain)) <= strain.argmax()
+        return is_up_to_peak & (strain >= MIN_STRAIN)
+
+    def strains_of_loading(self):
+        """100 strains, at which errors of the stress are looked at."""
+        strain = self.shot.strain(self.reduction.times)
+        return np.linspace(MIN_STRAIN, 0.97 * strain.max(), 100)
 
     def errors_at_strains(self):
-        """Relative errors of the stress at 100 strains, while loading."""
-        strain = self.shot.strain(self.reduction.times)
+        """Relative errors of the stress at `strains_of_loading`."""
+        result = self.reduction
+        strains = self.strains_of_loading()
+        strain = self.shot.strain(result.times)
+        stress = output_stress(self.shot, result.times)
         peak = int(strain.argmax())
-        strains = np.linspace(MIN_STRAIN, 0.97 * strain.max(), 100)
-        stress = output_stress(self.shot, self.reduction.times)
-        truth = np.interp(strains, strain[:peak], stress[:peak])
-        return self.reduction.at_strain(strains, self.reduction.stress) / truth - 1
+        true_stress = np.interp(strains, strain[:peak], stress[:peak])
+        return result.at_strain(strains, result.stress) / true_stress - 1
 
     def strain_errors(self):
         """Relative errors of the strain at each time of loading."""
@@ -64,22 +71,23 @@ class Reduced(NamedTuple):
     def is_covered(self):
         """Whether the bands of stress and strain contain the truth, [band, sample]."""
         result = self.reduction
-        times = result.times[self.loading]
-        stress_errors = result.stress[self.loading] - output_stress(self.shot, times)
-        strain_errors = result.strain[self.loading] - self.shot.strain(times)
-        return np.array(
-            [
-                np.abs(stress_errors) <= result.stress_band[self.loading],
-                np.abs(strain_errors) <= result.strain_band[self.loading],
-            ]
-        )
+        loading = self.loading
+        times = result.times[loading]
+        true_stress = output_stress(self.shot, times)
+        true_strain = self.shot.strain(times)
+        stress_errors = np.abs(result.stress[loading] - true_stress)
+        strain_errors = np.abs(result.strain[loading] - true_strain)
+        by_stress = stress_errors <= result.stress_band[loading]
+        by_strain = strain_errors <= result.strain_band[loading]
+        return np.array([by_stress, by_strain])
 
 
 def output_stress(shot, times):
     """Nominal stress at the face on the output bar, Pa: `Reduction.stress` is that
     one.
     """
-    force = shot.solution.contacts[-1].force(np.maximum(times, 0.0))
+    output_contact = shot.solution.contacts[-1]
+    force = output_contact.force(np.maximum(times, 0.0))
     return force / shot.specimen.section
 
 
@@ -108,12 +116,9 @@ def reduced(arrangement, noise=NOISE, seed=0):
         return Reduced(shot, reduce_cut_pulses(on_input, on_output))
     further_on_input = shot.gauge(0, 0.9, seed=4 * seed + 2, **settings)
     further_on_output = shot.gauge(2, 0.9, seed=4 * seed + 3, **settings)
-    reduction = ri.reduce(
-        [on_input, further_on_input],
-        [on_output, further_on_output],
-        THIN_BAR,
-        THIN_SPECIMEN,
-    )
+    input_gauges = [on_input, further_on_input]
+    output_gauges = [on_output, further_on_output]
+    reduction = ri.reduce(input_gauges, output_gauges, THIN_BAR, THIN_SPECIMEN)
     return Reduced(shot, reduction)
 
 
@@ -149,9 +154,13 @@ def test_stress_and_strain_are_within_1_percent_from_1_percent_of_strain_on(
 ):
     """Without noise, at each single strain."""
     result = reduced(arrangement, noise=1e-9)
-    assert result.shot.strain(result.reduction.times).max() > 2.5 * MIN_STRAIN
-    assert np.abs(result.errors_at_strains()).max() < MAX_ERROR
-    assert np.abs(result.strain_errors()).max() < MAX_ERROR
+
+    strain = result.shot.strain(result.reduction.times)
+    stress_errors = np.abs(result.errors_at_strains())
+    strain_errors = np.abs(result.strain_errors())
+    assert strain.max() > 2.5 * MIN_STRAIN
+    assert stress_errors.max() < MAX_ERROR
+    assert strain_errors.max() < MAX_ERROR
     assert result.reduction.doubts == ()
 
 
@@ -203,14 +212,14 @@ def test_errors_of_a_sharp_impact_on_a_specimen_with_mass_are_steps_of_its_strai
     shot = slow_direct_impact_with_mass()
     noise = NOISE * SLOW_STRAIN / PULSE_STRAIN
     gauge = shot.gauge(2, 0.5, noise, seed=0, dt=DT)
+
     result = Reduced(shot, reduce_impact(gauge))
+
     strain_step = 3.0 / POLYMER.wave_speed  # V/c
-    strain = shot.strain(result.reduction.times)
-    # The strains of `errors_at_strains`
-    strains = np.linspace(MIN_STRAIN, 0.97 * strain.max(), 100)
+    difference_of_forces = strain_step / result.strains_of_loading()
     errors = np.abs(result.errors_at_strains())
     _, is_strain_covered = result.is_covered()
     assert errors.max() > 3 * MAX_ERROR
-    assert np.all(errors < strain_step / strains + 3 * NOISE)
+    assert np.all(errors < difference_of_forces + 3 * NOISE)
     assert is_strain_covered.all()
     assert "equilibrium is assumed, not measured" in str(result.reduction.verdict)
