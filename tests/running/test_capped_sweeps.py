@@ -10,8 +10,10 @@ from systems import random_system
 import rodimpact as ri
 
 STEEL = ri.materials.steel
-MAX_EVENTS = 400  # of a member, and so the largest cap that is tried
-SHORT_ROW = 5  # seed of a row with few events
+MAX_EVENTS = 400
+"""Largest number of events of a member, and so the largest cap that is tried."""
+SHORT_ROW = 5
+"""Seed of a row with few events."""
 
 
 def with_masses(seed):
@@ -19,27 +21,29 @@ def with_masses(seed):
     several laws.
     """
     rng = np.random.default_rng(seed)
-    laws = [ri.Hertz(3e9), ri.Spring(2e7), ri.SpringDashpot(1e7, 200.0), ri.Rigid()]
+    soft_laws = [ri.Hertz(3e9), ri.Spring(2e7), ri.SpringDashpot(1e7, 200.0)]
+    n_bodies = rng.integers(2, 4)
     bodies = []
-    for velocity in (1.0, 0.0, -0.3)[: rng.integers(2, 4)]:
+    for velocity in (1.0, 0.0, -0.3)[:n_bodies]:
         if rng.random() < 0.4 and bodies:
-            bodies.append(ri.RigidMass(float(rng.uniform(0.1, 1)), velocity=velocity))
+            mass = float(rng.uniform(0.1, 1))
+            bodies.append(ri.RigidMass(mass, velocity=velocity))
             continue
-        lengths = rng.uniform(0.1, 0.5, rng.integers(1, 3))
-        areas = rng.uniform(1e-4, 3e-4, len(lengths))
-        segments = [
-            ri.Segment(float(L), float(A), STEEL)
-            for L, A in zip(lengths, areas, strict=True)
-        ]
+        n_segments = rng.integers(1, 3)
+        lengths = rng.uniform(0.1, 0.5, n_segments).tolist()
+        areas = rng.uniform(1e-4, 3e-4, n_segments).tolist()
+        segments = []
+        for length, area in zip(lengths, areas, strict=True):
+            segments.append(ri.Segment(length, area, STEEL))
         bodies.append(ri.Rod(segments=segments, velocity=velocity))
     if rng.random() < 0.3:
         bodies.append(ri.Wall())
     contacts = []
     for left, right in pairwise(bodies):
-        n_laws = 3  # no wave decides a rigid contact of two masses
+        laws = soft_laws
         if isinstance(left, ri.Rod) or isinstance(right, ri.Rod):
-            n_laws = 4
-        contacts.append(laws[rng.integers(n_laws)])
+            laws = [*soft_laws, ri.Rigid()]  # waves decide a rigid contact
+        contacts.append(laws[rng.integers(len(laws))])
     gaps = [float(rng.choice([0.0, 1e-5, 1e-4])) for _ in contacts]
     return ri.System(bodies, gaps, contacts)
 
@@ -67,9 +71,10 @@ def assert_members_end_as_alone(family, cap, **options):
         except ri.InvalidModel:
             assert result.status[index] == "refused"
             continue
+        was_cut = alone.stopped_by in ("max_events", "clock")
         assert result.status[index] == alone.stopped_by
         assert result.final[index] == alone.final
-        assert result.incomplete[index] == (alone.stopped_by in ("max_events", "clock"))
+        assert result.incomplete[index] == was_cut
         if alone.stopped_by == "max_events":
             assert "cap of" in alone.status
 
@@ -90,8 +95,9 @@ def caps_of(family, **options):
 @pytest.mark.parametrize("until", few_of([None, 1e-3], [1e-3]))
 @pytest.mark.parametrize("method", ["fronts", "characteristics"])
 def test_members_of_a_capped_sweep_end_as_alone(method, until, seed):
-    """With all caps of one short row by fronts, and some of other rows, the last two
-    always.
+    """All caps of one short row by fronts are tried, and some of other rows.
+
+    Among these are always those at which the longest run just ends.
     """
     system = random_system(seed, bodies=3, unit=0.1, vibrating=False)
     if method == "characteristics":
@@ -101,12 +107,11 @@ def test_members_of_a_capped_sweep_end_as_alone(method, until, seed):
     caps = caps_of(family, **options)
     is_short = method == "fronts" and seed == SHORT_ROW
     if not is_short:
-        most = len(caps)
-        n_spread = 8
-        if seed < 2:
-            n_spread = 4
-        spread_caps = np.geomspace(1, most, n_spread).astype(int)
-        caps = {*spread_caps.tolist(), max(most - 2, 1), most - 1}
+        largest = len(caps)  # one more than the events of the longest run
+        n_spread = 4 if seed < 2 else 8
+        spread_caps = np.geomspace(1, largest, n_spread).astype(int)
+        caps = {*spread_caps.tolist(), max(largest - 2, 1), largest - 1}
+
     for cap in caps:
         assert_members_end_as_alone(family, cap, **options)
 

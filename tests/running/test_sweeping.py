@@ -30,9 +30,10 @@ def pair(lengths, areas, velocity=1.0):
 
 
 def small_map(shape=(7, 5)):
-    """Strikers of many lengths, and rods of many areas that they strike."""
-    lengths = np.linspace(0.1, 1.3, shape[0])[:, None]
-    areas = np.geomspace(2e-5, 8e-4, shape[1])
+    """A family [striker, struck rod]: lengths of the one, areas of the other."""
+    n_lengths, n_areas = shape
+    lengths = np.linspace(0.1, 1.3, n_lengths)[:, None]
+    areas = np.geomspace(2e-5, 8e-4, n_areas)
     return pair(lengths, areas)
 
 
@@ -112,7 +113,7 @@ def test_restitution_and_impulse_of_a_map_equal_the_closed_form():
         striker.transit_time,
         struck.impedance,
         struck.transit_time,
-        1.0,
+        closing_speed=1.0,
     )
 
     result = ri.sweep(system)
@@ -125,15 +126,18 @@ def test_restitution_and_impulse_of_a_map_equal_the_closed_form():
 
 
 def random_family(seed, driven):
-    """A random row of which some numbers become arrays of 6, and some areas [2, 1].
+    """A family of a random row, whose shape is at most [2, 6].
 
-    The places and times of jumps are among them.
+    Velocities, strains, gaps and drives become arrays of 6, the places and times of
+    their jumps among them, and some areas arrays [2, 1].
     """
     rng = np.random.default_rng(seed)
     data = with_ends(seed, driven).to_dict()
 
     def vary(fields, name):
-        """Vary a number, or the first value and all jumps of steps."""
+        """Vary the entry of this name in place, if there is one: a number, or the first
+        value and all jumps of steps.
+        """
         value = fields.get(name)
         if isinstance(value, float):
             fields[name] = value * rng.uniform(-1, 1, 6)
@@ -180,7 +184,10 @@ def test_bonds_and_joints_have_the_totals_of_single_runs(law, options):
         ri.Rod(1.0, area=1e-4, material=STEEL),
         ri.Rod(0.7, area=2e-4, material=STEEL),
     ]
-    result = ri.sweep(ri.System(rods, contacts=[ri.Rigid(), law]), **options)
+    family = ri.System(rods, contacts=[ri.Rigid(), law])
+
+    result = ri.sweep(family, **options)
+
     assert (result.contacts[1].peak_force > 0).all()
     assert_equal_to_one_at_a_time(result, **options)
 
@@ -259,7 +266,7 @@ def test_columns_are_the_same_bits_whatever_the_number_of_workers(method):
 
 def test_a_long_member_goes_on_in_machine_code_to_the_same_bits(monkeypatch):
     """The time that it has spent grows while it runs, until compiling pays."""
-    system = pair(np.array([0.4, 0.41421356, 0.43]), 3e-4)
+    system = pair(lengths=np.array([0.4, 0.41421356, 0.43]), areas=3e-4)
     with kernels.forced(compiling=False):
         plain = ri.sweep(system, until=0.02, workers=1)
     seconds_spent = []
@@ -297,7 +304,7 @@ def test_a_single_collision_is_a_family_without_axes():
 
 @pytest.mark.parametrize("is_compiled", [False, True])
 def test_members_that_outgrow_the_log_have_the_same_bits(monkeypatch, is_compiled):
-    lengths = 0.1 * np.sqrt([2, 3, 5, 7])
+    lengths = 0.1 * np.sqrt([2, 3, 5, 7])  # no common unit, so that fronts multiply
     striker = ri.Rod(lengths, area=1e-4, material=MATERIALS[0], velocity=1.0)
     middle = ri.Rod(0.13, area=3e-4, material=MATERIALS[1])
     last = ri.Rod(0.17, area=5e-4, material=MATERIALS[0], velocity=-1.0)
@@ -372,9 +379,11 @@ def test_a_cap_after_the_proof_is_not_why_a_run_ended(method, cap):
     """It cuts the vibration that a single run shows after the proof, which the status
     says.
     """
-    system = pair(np.array([0.4]), 1e-4)
+    system = pair(lengths=np.array([0.4]), areas=1e-4)
+
     result = ri.sweep(system, method, max_events=cap)
     solution = ri.solve(system[0], method=method, max_events=cap)
+
     assert f"The cap of {cap}" in solution.status
     assert solution.stopped_by == "final"
     assert result.status[0] == "final"
@@ -409,9 +418,8 @@ def rod_on_a_wall():
 PLACES = [(0, 0.05), (1, 0.5), (1, 0.0), (0, 0.1)]
 
 
-def test_a_cap_before_the_time_asked_for_is_no_end():
-    """Although nothing can happen any more."""
-    system = pair(np.array([0.4, 0.7]), 1e-4)
+def test_a_cap_before_the_time_asked_for_is_told_although_the_outcome_is_final():
+    system = pair(lengths=np.array([0.4, 0.7]), areas=1e-4)
     result = ri.sweep(system, until=1.0, max_events=500)
     assert result.final.all()
     assert result.status.tolist() == ["max_events"] * 2
@@ -471,10 +479,10 @@ def test_gauges_equal_those_of_single_solutions_and_change_no_column(
 
 
 def test_a_refused_member_has_no_strain():
-    system = pair(np.array([0.5, 1e-13]), 1e-4)
+    system = pair(lengths=np.array([0.5, 1e-13]), areas=1e-4)  # too short for a clock
     result = ri.sweep(system, gauges=[(1, 0.5)], times=TIMES)
-    refused = np.isnan(result.strain).all(axis=(1, 2))
-    assert refused.tolist() == [False, True]
+    has_no_strain = np.isnan(result.strain).all(axis=(1, 2))  # [member]
+    assert has_no_strain.tolist() == [False, True]
 
 
 @pytest.mark.parametrize(
@@ -511,11 +519,16 @@ def test_gauges_are_saved_and_loaded_bit_for_bit(tmp_path, with_gauge):
 
 def test_gauges_of_a_dataset_have_dimensions_places_and_units(with_gauge):
     pytest.importorskip("xarray")
+    k = 30  # of a time within the run
+
     data = with_gauge.to_xarray()
-    assert data["strain"].dims == ("bodies.0.length", "bodies.1.area", "gauge", "time")
-    at_time = data["strain"].sel(time=TIMES[30]).isel(gauge=0)
-    assert at_time.values.tolist() == with_gauge.strain[:, :, 0, 30].tolist()
-    assert np.isfinite(at_time.values).all()
+
+    strain = data["strain"]
+    at_time = strain.sel(time=TIMES[k]).isel(gauge=0).values  # [length, area]
+    assert strain.dims == ("bodies.0.length", "bodies.1.area", "gauge", "time")
+    assert at_time.tolist() == with_gauge.strain[:, :, 0, k].tolist()
+    assert np.isfinite(at_time).all()
+    # The gauge of the fixture is 0.5 m along body 1.
     assert data["body"].values.tolist() == [1]
     assert data["x"].values.tolist() == [0.5]
     for variable in data.variables.values():
@@ -528,16 +541,19 @@ def test_gauges_of_a_dataset_have_dimensions_places_and_units(with_gauge):
 
 def test_a_refused_member_has_no_numbers_and_the_others_have_theirs():
     """One member has transit times too far apart for one clock."""
-    lengths = np.full((100, 100), 0.5)
-    lengths[33, 33] = 1e-13
+    length = 0.5
+    short = (33, 33)
+    lengths = np.full((100, 100), length)
+    lengths[short] = 1e-13
 
-    result = ri.sweep(pair(lengths, 1e-4))
+    result = ri.sweep(pair(lengths, areas=1e-4))
 
     is_refused = result.status != "final"
-    assert np.argwhere(is_refused).tolist() == [[33, 33]]
-    assert not result.final[33, 33]
-    assert "too short beside the longest" in result.explain((33, 33))
-    np.testing.assert_allclose(result.restitution[~is_refused], 0.5, atol=1e-15)
+    restitution = length / 1.0  # l1/l2
+    assert np.argwhere(is_refused).tolist() == [list(short)]
+    assert not result.final[short]
+    assert "too short beside the longest" in result.explain(short)
+    np.testing.assert_allclose(result.restitution[~is_refused], restitution, atol=1e-15)
     for name in (
         "restitution",
         "velocity_after.0",
@@ -546,14 +562,15 @@ def test_a_refused_member_has_no_numbers_and_the_others_have_theirs():
         "peak_force.0",
         "duration.0",
     ):
-        assert np.isnan(result.columns[name][33, 33])
+        assert np.isnan(result.columns[name][short])
 
 
 def test_members_that_do_not_collide_have_no_restitution_and_no_episode():
-    result = ri.sweep(pair(0.4, 1e-4, velocity=np.array([1.0, -1.0, 0.0])))
+    velocities = np.array([1.0, -1.0, 0.0])  # the second moves away, the third rests
+    result = ri.sweep(pair(0.4, 1e-4, velocity=velocities))
     assert np.isnan(result.restitution).tolist() == [False, True, True]
     assert result.final.all()
-    assert (result.episodes == [1, 0, 0]).all()
+    assert result.episodes.tolist() == [1, 0, 0]
     assert "move apart" in result.explain(1)
 
 
@@ -581,6 +598,7 @@ def test_wrong_arguments_are_named(options, path):
 
 @pytest.fixture
 def small_chunks(monkeypatch):
+    """Families are run in chunks of four members, so that small ones have many."""
     monkeypatch.setattr("rodimpact.methods.fronts.families.MAX_MEMBERS_PER_CALL", 4)
 
 
@@ -625,16 +643,17 @@ def test_a_dask_cluster_gives_the_same_bytes(small_chunks):
 
 
 def test_progress_counts_collisions(small_chunks):
+    members = 7 * 5
     counts = []
 
     def note(done, total):
-        assert total == 7 * 5
+        assert total == members
         counts.append(done)
 
     ri.sweep(small_map((7, 5)), progress=note)
 
     assert counts == sorted(counts)
-    assert counts[-1] == 7 * 5
+    assert counts[-1] == members
 
 
 def test_axes_and_parameters_have_the_names_of_a_case_file():
@@ -664,14 +683,18 @@ def test_csv_holds_every_digit(tmp_path):
         rows = list(csv.DictReader(file))
     areas = [float(row["bodies.1.area"]) for row in rows]
     restitutions = [float(row["restitution"]) for row in rows]
-    assert list(rows[0])[:3] == ["bodies.0.length", "bodies.1.area", "restitution"]
-    assert areas == result.axes[1].values.tolist() * 3
+    first_columns = list(rows[0])[:3]
+    *_, status = rows[0].values()
+    areas_of_a_length = result.axes[1].values.tolist()
+    assert first_columns == ["bodies.0.length", "bodies.1.area", "restitution"]
+    assert areas == areas_of_a_length * 3  # there are three lengths
     assert restitutions == result.restitution.ravel().tolist()
-    assert list(rows[0].values())[-1] == "final"
+    assert status == "final"
 
 
 @pytest.fixture(scope="module")
 def map_of_six():
+    """A swept family of shape (3, 2)."""
     return ri.sweep(small_map((3, 2)))
 
 
@@ -794,17 +817,17 @@ def assert_readings_are_those_of_characteristics(result, until):
     system = result.system
     by_pieces = ri.sweep(system, "characteristics", until=until, also=ALSO, rtol=1e-6)
     for i, body in enumerate(system.bodies):
-        displacement = by_pieces.displacements[i]  # [member]
+        displacement = result.displacements[i]  # m [member]
+        expected_displacement = by_pieces.displacements[i]
         np.testing.assert_allclose(
-            result.displacements[i], displacement, rtol=1e-5, atol=1e-9
+            displacement, expected_displacement, rtol=1e-5, atol=1e-9
         )
         if isinstance(body, ri.Wall):
             assert i not in result.largest_stresses
-        else:
-            stress = by_pieces.largest_stresses[i]
-            np.testing.assert_allclose(
-                result.largest_stresses[i], stress, rtol=1e-5, atol=1.0
-            )
+            continue
+        stress = result.largest_stresses[i]  # Pa [member]
+        expected_stress = by_pieces.largest_stresses[i]
+        np.testing.assert_allclose(stress, expected_stress, rtol=1e-5, atol=1.0)
 
 
 def assert_readings_of_second_member_are_those_of_fields(result, until):
@@ -817,31 +840,35 @@ def assert_readings_of_second_member_are_those_of_fields(result, until):
     for i, body in enumerate(member.bodies):
         if isinstance(body, ri.Wall):
             continue
-        x = np.linspace(0, float(body.length), 2001)
+        length = float(body.length)
+        x = np.linspace(0, length, 2001)
         at_start = solution.displacement(i, x, 0.0)
         at_end = solution.displacement(i, x, solution.t_end)
-        mean_displacement = np.trapezoid(at_end - at_start, x) / x[-1]
+        mean_displacement = np.trapezoid(at_end - at_start, x) / length
         stress = solution.stress(i, x[::10, None], times)  # [place, time], Pa
         largest_stress = np.abs(stress).max()
-        assert result.displacements[i][1] == pytest.approx(
-            mean_displacement, rel=1e-4, abs=1e-9
-        )
+        near_displacement = pytest.approx(mean_displacement, rel=1e-4, abs=1e-9)
+        assert result.displacements[i][1] == near_displacement
         assert result.largest_stresses[i][1] == pytest.approx(largest_stress, rel=1e-9)
 
 
 def test_the_displacement_of_a_pile_counts_the_soil_along_its_shaft():
     soil = ri.Soil(resistance=4e5, quake=2.5e-3)
+    length = 15.0
     speeds = np.array([1.0, 2.0])
-    pile = ri.Rod(15.0, area=0.0094, material=STEEL, velocity=speeds, shaft=soil)
+    pile = ri.Rod(length, area=0.0094, material=STEEL, velocity=speeds, shaft=soil)
     family = ri.System([pile])
+    until = 3e-3
 
-    result = ri.sweep(family, until=3e-3, cells=50, also=["displacement"])
+    result = ri.sweep(family, until=until, cells=50, also=["displacement"])
 
-    x = np.linspace(0.0, 15.0, 2001)
-    solution = ri.solve(family[1], until=3e-3, cells=50)
-    mean_displacement = np.trapezoid(solution.displacement(0, x, 3e-3), x) / 15.0
-    assert result.displacements[0][1] == pytest.approx(mean_displacement, rel=1e-6)
-    assert result.displacements[0][1] < 0.9 * 2.0 * 3e-3  # the soil has slowed the pile
+    x = np.linspace(0.0, length, 2001)
+    solution = ri.solve(family[1], until=until, cells=50)
+    mean_displacement = np.trapezoid(solution.displacement(0, x, until), x) / length
+    without_soil = speeds[1] * until
+    displacement = result.displacements[0][1]
+    assert displacement == pytest.approx(mean_displacement, rel=1e-6)
+    assert displacement < 0.9 * without_soil
 
 
 def test_ground_that_yields_takes_the_yield_force_times_the_set():

@@ -32,7 +32,10 @@ def test_byte_order_mark_and_line_ends_of_windows_are_read(tmp_path):
 
 
 def file_problem(path):
-    """The message, in one line, with which a file is refused as a whole."""
+    """The message with which `read_case` refuses a file as a whole.
+
+    It is one line, told under the name of the file, and hides the error behind it.
+    """
     with pytest.raises(ri.InvalidModel) as caught:
         read_case(path)
     ((name, message),) = caught.value.problems
@@ -63,23 +66,30 @@ def test_a_file_too_large_for_a_case_is_not_read(tmp_path):
 
 
 @pytest.mark.parametrize("value", [None, 1, [], {1: 2}, b"case.toml", object()])
-def test_a_value_that_is_no_case_at_all_is_refused(value):
-    for function, name, kind in [
+@pytest.mark.parametrize(
+    ("function", "name", "kind"),
+    [
         (read_case, "path", "the name of a file"),
         (parse_case, "case", "the text of a case file"),
         (format_case, "case", "a Case or a System"),
         (Case, "system", "a System, such as .*"),
-    ]:
-        with pytest.raises(ri.InvalidModel, match=f"^{name}: must be {kind}, got "):
-            function(value)
-    if not isinstance(value, dict):
-        message = "case: must be the tables of a case file, got "
-        with pytest.raises(ri.InvalidModel, match=message):
-            case_from(value)
-    if value is not None:
-        message = "vary: must name numbers by their paths"
-        with pytest.raises(ri.InvalidModel, match=message):
-            parse_case(HEAD + A_ROD, vary=value)
+    ],
+)
+def test_a_value_that_is_no_case_at_all_is_refused(function, name, kind, value):
+    with pytest.raises(ri.InvalidModel, match=f"^{name}: must be {kind}, got "):
+        function(value)
+
+
+@pytest.mark.parametrize("value", [None, 1, [], b"case.toml", object()])
+def test_tables_of_a_case_must_be_a_dict(value):
+    with pytest.raises(ri.InvalidModel, match="case: must be the tables of a case fil"):
+        case_from(value)
+
+
+@pytest.mark.parametrize("value", [1, [], {1: 2}, b"case.toml", object()])
+def test_grids_of_a_case_must_be_a_dict_of_paths(value):
+    with pytest.raises(ri.InvalidModel, match="vary: must name numbers by their paths"):
+        parse_case(HEAD + A_ROD, vary=value)
 
 
 @pytest.mark.parametrize(
@@ -106,19 +116,23 @@ def test_files_that_are_no_toml_are_refused_with_the_line(tmp_path, content, sai
 def test_written_cases_read_back_equal():
     case = Case(
         ri.System([ROD]),
-        {"until": 1e-3, "method": "fronts", "max_events": 5},
-        {"plot": 'a "b" \\ \x7f\n€.png'},
+        solve={"until": 1e-3, "method": "fronts", "max_events": 5},
+        output={"plot": 'a "b" \\ \x7f\n€.png'},
         gauges=(GaugePlace(0, 0.25), GaugePlace(0, 1.0)),
     )
-    assert parse_case(format_case(case), "") == case
+    again = parse_case(format_case(case), source="")
+    assert again == case
 
 
 @pytest.mark.parametrize("count", few_of([15, 40], [15]))
 def test_random_systems_come_back_equal_from_toml_and_json(count):
     for seed in range(count):
         system = random_row(seed, driven=True)
+
         from_toml = parse_case(format_case(system)).system
-        from_json = ri.System.from_dict(json.loads(json.dumps(system.to_dict())))
+        text = json.dumps(system.to_dict())
+        from_json = ri.System.from_dict(json.loads(text))
+
         assert from_toml == system, seed
         assert from_toml.digest == system.digest
         assert from_json == system
@@ -138,10 +152,11 @@ def test_materials_of_any_name_read_back_equal(name):
 
 
 def test_a_family_is_no_case_and_its_member_is_one():
-    system = ri.System([ri.Rod([1.0, 2.0], area=1e-4, material=STEEL)])
+    family = ri.System([ri.Rod([1.0, 2.0], area=1e-4, material=STEEL)])
     with pytest.raises(ri.InvalidModel, match=r"shape \(2,\).*system\[index\]"):
-        format_case(system)
-    assert parse_case(format_case(system[1])).system == system[1]
+        format_case(family)
+    member = family[1]
+    assert parse_case(format_case(member)).system == member
 
 
 def test_materials_of_one_name_have_a_table_each():
@@ -157,8 +172,9 @@ def test_materials_of_one_name_have_a_table_each():
 
     text = format_case(system)
 
+    different_materials = 4  # the steel of the library stands in two rods
     assert parse_case(text).system == system
-    assert text.count("[materials.") == 4
+    assert text.count("[materials.") == different_materials
 
 
 def test_a_name_that_no_file_holds_is_refused():
@@ -169,13 +185,17 @@ def test_a_name_that_no_file_holds_is_refused():
 
 
 def test_functions_come_back_as_the_curves_that_they_became():
+    def pulse(t):
+        """A force of 1 kN at 0.1 ms, N."""
+        return 1e3 * np.exp(-(((t - 1e-4) / 3e-5) ** 2))
+
     rod = ri.Rod(
         0.4,
         area=lambda x: 1e-4 + x**2,
         material=STEEL,
         velocity=lambda x: np.sin(9 * x),
     )
-    push = ri.Pushed(lambda t: 1e3 * np.exp(-(((t - 1e-4) / 3e-5) ** 2)), duration=2e-4)
+    push = ri.Pushed(pulse, duration=2e-4)
     system = ri.System([rod], ends=[push, ri.Free()])
     for profile in (rod.segments[0].area, rod.velocity, push.value):
         assert profile.smooth
@@ -204,14 +224,16 @@ def test_mistakes_in_the_entries_of_a_curve_are_named(entry, said):
 
 @functools.cache
 def solved(name):
+    """Solution of a worked case, by the name of its file."""
     case = read_case(CASES / f"{name}.toml")
     return ri.solve(case.system, **case.solve)
 
 
 @pytest.mark.parametrize("path", sorted(CASES.glob("*.toml")), ids=lambda p: p.stem)
-def test_every_worked_case_is_read_and_written(path):
+def test_every_worked_case_comes_back_equal_and_begins_with_a_comment(path):
     case = read_case(path)
-    assert parse_case(format_case(case), str(path)) == case
+    again = parse_case(format_case(case), source=str(path))
+    assert again == case
     assert path.read_text().startswith("# ")
 
 
@@ -262,4 +284,6 @@ def episode(k, name):
     ],
 )
 def test_the_worked_cases_say_what_comes_out(name, read, said, rel):
-    assert read(solved(name)) == pytest.approx(said, rel=rel)
+    """Their comments say it, to as many digits as `rel`, the relative bound, allows."""
+    value = read(solved(name))
+    assert value == pytest.approx(said, rel=rel)
