@@ -24,10 +24,10 @@ def render(drawn):
 
 
 def settings():
-    """All settings of matplotlib but its backend."""
-    return {
-        name: value for name, value in mpl.rcParams.copy().items() if name != "backend"
-    }
+    """All settings of matplotlib but its backend, a dict."""
+    all_settings = dict(mpl.rcParams.copy())
+    del all_settings["backend"]
+    return all_settings
 
 
 def corners(picture):
@@ -37,18 +37,27 @@ def corners(picture):
 
 def top_of(band):
     """Upper edge of a band as {time: value}."""
-    points = band.get_paths()[0].vertices
-    return {x: max(points[points[:, 0] == x, 1]) for x in points[:, 0]}
+    points = band.get_paths()[0].vertices  # [corner, (time, value)]
+    times = points[:, 0]
+    edge = {}
+    for time in times:
+        edge[time] = max(points[times == time, 1])
+    return edge
 
 
 def legend(drawn):
-    """Texts of the legend, none if there is none."""
+    """Texts of the legend of a picture or an Axes, none if there is none."""
     shown = getattr(drawn, "ax", drawn).get_legend()
-    return [] if shown is None else [text.get_text() for text in shown.get_texts()]
+    if shown is None:
+        return []
+    return texts_of(shown.get_texts())
 
 
 def vector_file(draw, folder):
-    """The bytes of an SVG, which are the same every time it is drawn."""
+    """The bytes of the SVG of what `draw()` returns.
+
+    It is drawn and saved twice, and must be the same both times.
+    """
     files = []
     for name in ("a.svg", "b.svg"):
         plot.save(draw(), folder / name)
@@ -57,26 +66,35 @@ def vector_file(draw, folder):
     return files[0]
 
 
+def axis_texts(axis):
+    """The label of an axis, and the labels of its ticks that lie in view."""
+    texts = [axis.label]
+    low, high = sorted(axis.get_view_interval())
+    for tick in [*axis.get_major_ticks(), *axis.get_minor_ticks()]:
+        if low <= tick.get_loc() <= high:
+            texts.append(tick.label1)
+    return texts
+
+
 def written(figure):
-    """Texts that are to be read on a drawn figure, but words along fronts."""
+    """Texts (artists) that are to be read on a drawn figure, none of them empty."""
     texts = list(figure.texts)
     for ax in figure.axes:
-        legend = ax.get_legend()
         texts += [*ax.texts, ax.title, ax._left_title, ax._right_title]
-        texts += [] if legend is None else legend.get_texts()
+        legend_of_ax = ax.get_legend()
+        if legend_of_ax is not None:
+            texts += legend_of_ax.get_texts()
         for axis in (ax.xaxis, ax.yaxis):
-            if not ax.axison or not axis.get_visible():
-                continue
-            low, high = sorted(axis.get_view_interval())
-            texts.append(axis.label)
-            for tick in [*axis.get_major_ticks(), *axis.get_minor_ticks()]:
-                if low <= tick.get_loc() <= high:
-                    texts += [tick.label1] if tick.label1.get_visible() else []
-    return [t for t in texts if t.get_text().strip() and t.get_visible()]
+            if ax.axison and axis.get_visible():
+                texts += axis_texts(axis)
+    return [text for text in texts if text.get_text().strip() and text.get_visible()]
 
 
 def collisions(drawn, dpi=100):
-    """Pairs of texts that overlap on a figure, and texts that leave it."""
+    """Pairs of texts that overlap on a figure, and texts that leave it at a side.
+
+    Texts that are not level or upright, such as words along fronts, are left out.
+    """
     figure = figure_of(drawn)
     figure.set_dpi(dpi)
     FigureCanvasAgg(figure).draw()

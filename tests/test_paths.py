@@ -7,15 +7,15 @@ from mistakes import problems
 import rodimpact as ri
 
 STEEL = ri.materials.steel
-# Its wave speed is a fraction, as exact() needs it.
 FRACTIONAL = STEEL.replace(youngs_modulus=7850 * 5000.0**2)
+"""Steel with a wave speed of 5000 m/s: exact() needs a fraction."""
 PULSE = ri.Signal([0.0, 1.0, 1.0, 0.0], dt=1e-6)
 
 
 def chain(n=2, material=STEEL, last=None, gap=0.0):
     """n rods of 0.1 m, of which the first moves, and one of 0.2 m behind them.
 
-    `last` is the material of that one, if it is another.
+    `last` is the material of that one, if it is another; all gaps are equal.
     """
     if last is None:
         last = material
@@ -85,9 +85,12 @@ by_both_paths = pytest.mark.parametrize(
 @by_both_paths
 def test_closed_forms_take_materials_by_name_and_by_body(heavy, path):
     velocity = ri.solve(heavy).outcome.velocities_after[2]
+
     form = ri.closed_form(chain(last=ri.materials.brass), [path])
+
     (name,) = form.symbols
-    by_formula = float(form.at(**{name: 8000}).velocities_after[2])
+    density = {name: 8000}  # that of `heavy`
+    by_formula = float(form.at(**density).velocities_after[2])
     assert by_formula == pytest.approx(velocity, rel=1e-12)
 
 
@@ -101,14 +104,14 @@ def test_families_take_materials_by_name_and_by_body(heavy, path):
 
 
 def test_gradients_take_materials_by_name_and_by_body(heavy):
-    by_name = "materials.brass.density"
-    by_body = "bodies.2.material.density"
-    slope_by_name = ri.gradient(heavy, of="velocity_after.2", wrt=[by_name])[by_name]
-    slope_by_body = ri.gradient(heavy, of="velocity_after.2", wrt=[by_body])[by_body]
-    assert slope_by_name == slope_by_body
+    of_last = "velocity_after.2"  # the velocity of the rod of brass
+    by_name = ri.gradient(heavy, of_last, wrt=["materials.brass.density"])
+    by_body = ri.gradient(heavy, of_last, wrt=["bodies.2.material.density"])
+    assert by_name["materials.brass.density"] == by_body["bodies.2.material.density"]
 
 
 def steel_on_brass(density):
+    """A striker of steel of this density, kg/m^3, and a longer rod of brass."""
     steel = STEEL.replace(density=density)
     striker = ri.Rod(0.4, area=1e-4, material=steel, velocity=1.0)
     struck = ri.Rod(1.0, area=1e-4, material=ri.materials.brass)
@@ -123,9 +126,11 @@ def test_an_atlas_over_a_density_has_the_restitution_of_a_run_there(path):
 
     The atlas says which path its symbol stands for.
     """
-    plane = ri.atlas(
-        steel_on_brass(7850), (path, 7000, 9000), ("bodies.1.length", 0.9, 1.1)
-    )
+    densities = (path, 7000, 9000)
+    lengths = ("bodies.1.length", 0.9, 1.1)
+
+    plane = ri.atlas(steel_on_brass(7850), densities, lengths)
+
     for density in (7100, 8900):
         e = ri.solve(steel_on_brass(density)).outcome.restitution
         by_atlas = float(plane.restitution(density, 1.0))
@@ -139,6 +144,6 @@ def test_gradients_of_a_round_rod_take_its_diameter_and_its_area():
     system = ri.System([striker, ri.Rod(1.0, area=1e-4, material=STEEL)])
     paths = ["bodies.0.diameter", "bodies.0.area"]
     slopes = ri.gradient(system, of="velocity_after.1", wrt=paths)
-    area_by_diameter = np.pi * diameter / 2
+    area_by_diameter = np.pi * diameter / 2  # of pi d^2/4
     expected = slopes["bodies.0.area"] * area_by_diameter
     assert slopes["bodies.0.diameter"] == pytest.approx(expected, rel=1e-12)

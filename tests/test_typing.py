@@ -16,7 +16,7 @@ import rodimpact as ri
 def longest_pulse(
     lengths: NDArray[np.float64], area: float, law: ri.Hertz | ri.Rigid
 ) -> float:
-    """Longest contact of strikers of these lengths, m, with a bar, s."""
+    """Longest force duration, s, of strikers of these lengths, m, on a bar of 2 m."""
     steel = ri.materials.steel
     striker = ri.Rod(lengths, area=area, material=steel, velocity=10.0)
     bar = ri.Rod(2.0, area=area, material=steel)
@@ -30,29 +30,34 @@ def progress_to(totals: list[int | None]) -> Callable[[int, int | None], object]
     return lambda done, total: totals.append(total)
 
 
-def test_a_typed_program_runs() -> None:
+def test_a_typed_program_of_a_family_runs() -> None:
     steel = assert_type(ri.materials.steel, ri.Material)
-    longest = longest_pulse(np.array([0.1, 0.2]), 1e-4, ri.Rigid())
+    longest = longest_pulse(np.array([0.1, 0.2]), area=1e-4, law=ri.Rigid())
     round_trip = 2 * 0.2 / float(steel.wave_speed)  # of the longer striker
     assert abs(longest / round_trip - 1) < 1e-12
-    rod = ri.Rod(
-        0.4, area=1e-4, material=steel, velocity=ri.Steps([1.0, 0.5], at=[0.2])
-    )
-    totals: list[int | None] = []
+
+
+def test_a_typed_program_of_a_solution_runs() -> None:
+    steel = ri.materials.steel
+    halves = ri.Steps([1.0, 0.5], at=[0.2])  # m/s
+    rod = ri.Rod(0.4, area=1e-4, material=steel, velocity=halves)
     row = ri.System([rod, ri.Wall()])
+    totals: list[int | None] = []
+
     solution = ri.solve(
         row, 1e-4, "finite-difference", cells=8, progress=progress_to(totals)
     )
+    velocity: NDArray[np.floating[Any]] = solution.velocity(0, [0.1, 0.3], 0.0)
+    gauge = assert_type(solution.gauge(0, 0.2), ri.Gauge)
+    signal = assert_type(gauge.signal(1e-5, name="middle"), ri.Signal)
+
     assert_type(solution, ri.Solution)
     assert_type(solution.outcome, ri.Outcome)
-    velocity: NDArray[np.floating[Any]] = solution.velocity(0, [0.1, 0.3], 0.0)
     for contact in solution.contacts:
         for episode in contact.episodes:
             assert_type(episode, ri.Episode)
     assert velocity.tolist() == [1.0, 0.5]
-    assert solution.mean_velocity(0, 0.0) == 0.75
-    gauge = assert_type(solution.gauge(0, 0.2), ri.Gauge)
-    signal = assert_type(gauge.signal(1e-5, name="middle"), ri.Signal)
+    assert solution.mean_velocity(0, 0.0) == 0.75  # of both halves
     assert (signal * 2.0 - 1.0).name == "middle"
     assert_type(ri.units.parse("400 mm", "length"), float)
 

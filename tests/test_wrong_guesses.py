@@ -201,7 +201,7 @@ CASES = [  # a text of a case file, what stands in its place, and the answer
 
 @pytest.fixture(scope="module")
 def names():
-    """Names that the guesses use."""
+    """{name: object} of the names that the guesses use."""
     steel = ri.materials.steel
     rod = ri.Rod(0.4, area=1e-4, material=steel, velocity=1.0)
     right = ri.Rod(1.0, area=1e-4, material=steel)
@@ -243,18 +243,26 @@ def test_a_wrong_entry_of_a_case_is_answered_by_a_remedy(right, wrong, remedy):
 def test_a_wrong_command_is_answered_by_a_remedy(
     guess, remedy, tmp_path, monkeypatch, capsys
 ):
+    """In a folder with a case and a record; the answer is on standard error."""
     monkeypatch.chdir(tmp_path)
     (tmp_path / "case.toml").write_text(UNEQUAL_RODS)
     (tmp_path / "record.csv").write_text("t,force\n0,1\n1,2\n")
-    assert main(shlex.split(guess)) == 2
+
+    exit_status = main(shlex.split(guess))
+
     out, err = capsys.readouterr()
+    answer = " ".join(err.split())  # without the ends of lines
+    assert exit_status == 2
     assert out == ""
-    assert remedy in " ".join(err.split())
+    assert remedy in answer
     assert "Traceback" not in err
 
 
 def public_things():
-    """Public functions and classes but errors and warnings, by name."""
+    """Pairs (name, thing) of public functions and classes, below modules too.
+
+    Errors, warnings and what lies in `units` are left out.
+    """
     things = {}
     for name in ri.__all__:
         public = getattr(ri, name)
@@ -277,8 +285,9 @@ def test_every_public_function_explains_a_wrong_argument():
         with pytest.raises(TypeError) as caught:
             call(no_such_argument=1)
         sentence = str(caught.value)
-        names_argument = "has no argument 'no_such" in sentence
-        if not names_argument and "takes no arguments" not in sentence:
+        names_it = "has no argument 'no_such" in sentence
+        says_there_is_none = "takes no arguments" in sentence
+        if not names_it and not says_there_is_none:
             silent.append(name)
     assert silent == []
 
