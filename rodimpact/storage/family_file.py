@@ -19,6 +19,7 @@ from ..model.ends import ENDS
 from ..model.frozen import Frozen
 from ..model.laws import CONTACT_LAWS
 from ..model.profiles import Polynomials, Samples, Steps
+from ..model.shaft import SHAFTS
 from .writing import Arrays
 
 MODEL_CLASSES: tuple[Any, ...] = (
@@ -31,6 +32,7 @@ MODEL_CLASSES: tuple[Any, ...] = (
     *BODIES.values(),
     *CONTACT_LAWS.values(),
     *ENDS.values(),
+    *SHAFTS.values(),
 )
 CLASSES: dict[str, Any] = {kind.__name__: kind for kind in MODEL_CLASSES}
 NOT_IN_JSON = {"nan": math.nan, "inf": math.inf, "-inf": -math.inf}
