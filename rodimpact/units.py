@@ -563,12 +563,22 @@ def _spelt(unit: str) -> str:
 def _hint(word: str, units: Collection[str]) -> str:
     """End of a sentence, "; perhaps 'mm' is meant"; "" if no unit is near.
 
-    For a word of `_UNREAD_UNITS` it says what that is in other units. Else it names the
-    unit for a name in `_OTHER_NAMES`, or all units that differ by capitals alone, or
-    the one that is spelt most alike.
+    For a word of `_UNREAD_UNITS` it says what that is in other units. A compound of
+    known units, such as mm/ms, names those that equal it. Else it names the unit for a
+    name in `_OTHER_NAMES`, or all units that differ by capitals alone, or the one that
+    is spelt most alike.
     """
     if word in _UNREAD_UNITS:
         return f"; {_UNREAD_UNITS[word]}"
+    compound = _worth_of_compound(word)
+    if compound is not None:  # a unit that is spelt alike may be another one
+        equal = []
+        for unit in units:
+            if _worth_of_compound(unit) == compound:
+                equal.append(repr(unit))
+        if not equal:
+            return ""
+        return f"; it is {' or '.join(equal)}"
     near = []
     other_name = _OTHER_NAMES.get(word)
     if other_name is not None and other_name in units:
@@ -583,6 +593,40 @@ def _hint(word: str, units: Collection[str]) -> str:
     if not near:
         return ""
     return f"; perhaps {' or '.join(near)} is meant"
+
+
+class _Worth(NamedTuple):
+    """What a unit is worth in the SI."""
+
+    factor: Fraction  # value of one unit in base units
+    powers: dict[str, float]  # of the base units m, kg, s and V
+
+
+def _worth_of_compound(unit: str) -> _Worth | None:
+    """What a product or quotient of units is worth; None if a part of it is unknown.
+
+    Parts may have whole powers: N/mm^2 is worth 1e6 kg/(m s^2).
+    """
+    factor = Fraction(1)
+    powers: dict[str, float] = {}
+    above, _, below = unit.partition("/")
+    for product, sign in ((above, 1), (below, -1)):
+        for part in product.split():
+            symbol, has_power, exponent = part.partition("^")
+            power = 1
+            if has_power:
+                if not exponent.isdecimal() or len(exponent) > 1:
+                    return None
+                power = int(exponent)
+            if symbol == "1":
+                continue
+            to_si = conversion(symbol)
+            if to_si is None:
+                return None
+            factor *= to_si.factor ** (sign * power)
+            for _ in range(power):
+                multiply_unit(powers, to_si.unit, sign)
+    return _Worth(factor, in_base_units(powers))
 
 
 def shown(value: Any) -> str:
