@@ -99,7 +99,7 @@ def test_no_unit_belongs_to_two_dimensions():
         ),
         ("5 m/s", "time", r"'m/s' is a unit of velocity"),
         ("5 parsec", "length", r"unknown unit 'parsec'\. Use one of m, cm"),
-        ("5 N s/cm", "damping", r"unknown unit 'N s/cm'; perhaps 'N s/m' is meant"),
+        ("5 N s/cm", "damping", r"unknown unit 'N s/cm'. Use one of N s/m"),
         (
             "5 N/m",
             "Hertz stiffness",

@@ -6,6 +6,7 @@ from typing import Any
 from ..methods.status import quake_warning
 from ..storage.tables import align, versioned_json
 from ..units import format_si
+from .resting import CELLS
 
 COLUMNS = {
     "resistance": "N",
@@ -24,6 +25,8 @@ COLUMNS = {
     "tension_error": "",
 }
 """Numbers of a `BearingPoint` with their units."""
+LARGE_ERROR = 0.1
+"""Relative stated error above which the report names a remedy."""
 HEADS = (
     "resistance",
     "shaft",
@@ -91,15 +94,29 @@ def _known(value: float, unit: str) -> str:
 
 
 def _errors(graph: Any) -> str:
-    """What the stresses are, and the largest stated errors."""
-    set_error = float(graph["set_error"].max())
-    compression_error = float(graph["compression_error"].max())
-    tension_error = float(graph["tension_error"].max())
-    return (
+    """What the stresses are, the largest stated errors, and how to make them smaller.
+
+    The last only if one of them is above `LARGE_ERROR`.
+    """
+    largest_errors = {}
+    for name in ("set", "compression", "tension"):
+        largest_errors[name] = float(graph[f"{name}_error"].max())
+    stated = []
+    large = []
+    for name, error in largest_errors.items():
+        stated.append(f"{name} {100 * error:.2g} %")
+        if error > LARGE_ERROR:
+            large.append(name)
+    text = (
         "Largest stresses in the pile until the blow is over; x from its head, t from "
-        f"the impact. Largest stated relative errors: set {set_error:.1g}, compression "
-        f"{compression_error:.1g}, tension {tension_error:.1g}."
+        f"the impact. Largest stated errors: {', '.join(stated)}."
     )
+    if large:
+        text += (
+            f" For {' and '.join(large)} take more cells: give cells=, such as "
+            f"{2 * CELLS} or {4 * CELLS}; the default is {CELLS}."
+        )
+    return text
 
 
 def bearing_json(graph: Any) -> str:

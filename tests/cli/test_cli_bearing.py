@@ -3,6 +3,7 @@
 import csv
 import io
 import json
+import re
 
 import pytest
 
@@ -58,6 +59,23 @@ def test_table_csv_json_and_figure_agree(output_of, tmp_path):
     for row, point, line in zip(rows, points, lines_of_table, strict=False):
         assert float(row["blow_count"]) == point["blow_count"]
         assert f"{point['blow_count']:.4g} 1/m" in line
+
+
+@pytest.mark.usefixtures("pile")
+def test_a_large_stated_error_names_a_remedy_that_makes_it_smaller(output_of):
+    grid = ("--resistance", "500kN", "--workers", "1")
+
+    coarse = output_of(*bearing(*grid, "--cells", "8"))
+    fine = output_of(*bearing(*grid, "--cells", "64"))
+
+    remedy = "take more cells: give --cells, such as 200 or 400; the default is 100"
+    assert remedy in coarse
+    assert tension_error(fine) < tension_error(coarse) / 2
+
+
+def tension_error(table):
+    """Stated error of the tension in the table of a bearing graph, %."""
+    return float(re.search(r"tension ([\d.e+]+) %", table)[1])
 
 
 def test_resistances_are_required_and_the_usage_says_so(refuses, output_of):
