@@ -356,8 +356,10 @@ def stack_drop(
 
     The gaps between the falling balls are very small. The bottom ball bounces off the
     floor and meets the second ball, which is still falling. The second ball then meets
-    the third one, and so on upwards (sample 10.21 and problem 10.5.10). Each pair meets
-    once: later collisions of the same two balls are left out.
+    the third one, and so on upwards. Each pair meets once: later collisions of the same
+    two balls are left out. `solve`, however, solves contacts that touch at the same
+    time together: there, small gaps between the balls, such as ``gaps=[1.0, 1e-6]``
+    above a wall, make them collide one after another.
 
     Parameters
     ----------

@@ -70,6 +70,9 @@ MAX_CHANGES = 200  # of laws without progress in time
 DIFFERENCE_STEP = 1e-7  # step of differences, relative
 
 OPEN, PRESSED, SLACK, PLASTIC = range(4)
+"""States of a link: apart; with its force; overlapping without force, as a dashpot
+pulls; crushed further, so that an elastic part of the overlap is counted.
+"""
 
 
 class Cell(NamedTuple):
@@ -399,16 +402,24 @@ class Row:
             self._advance(node, until)
 
     def _advance(self, node, until):
-        """Take one cell of a node."""
+        """Take one cell of a node, and change the law of a link at its end if need be.
+
+        The cell is made shorter until it is accepted, and until no guard changes its
+        sign inside it.
+        """
         start = node.time
-        end = until
+        end = until  # the cell may not go beyond it
         breaks = node.broken
-        for line in filter(None, node.incoming):
+        for line in node.incoming:
+            if line is None:
+                continue
             line.move_on(start)
             end = min(end, line.known_until())
             end = line.next_break(start, end)
             breaks = breaks or line.breaks_at(start)
-        stop = end if start + 1.1 * node.length >= end else start + node.length
+        stop = start + node.length
+        if start + 1.1 * node.length >= end:  # no tiny cell is left over
+            stop = end
         changes = 0
         event = None
         while True:
@@ -425,6 +436,7 @@ class Row:
                 break
             where, link, state = found
             if where <= start + SHORTEST_CELL * self.transit:
+                # The law changes at once: the cell is solved again with the new one.
                 changes += 1
                 assert changes < MAX_CHANGES, "laws change without end"
                 force = solved.forces_at_checks[node.links.index(link)][0]
@@ -433,7 +445,7 @@ class Row:
                 event = None
                 continue
             if event and where >= stop - 1e-14 * self.transit:
-                break
+                break  # the cell ends at the event
             stop = where
             event = link, state
         self._enter(node, start, stop, solved, breaks)
@@ -465,24 +477,27 @@ class Row:
         first = node.state()
         rates, converged = self._collocate(node, first, half, at_gauss)
         states = first + half * (TO_CHECKS @ rates)
+        states_at_gauss = first + half * (TO_GAUSS @ rates)
         closings, forces = node.unpack(states, at_checks)
-        _, own = node.unpack(first + half * (TO_GAUSS @ rates), at_gauss)
+        _, forces_at_gauss = node.unpack(states_at_gauss, at_gauss)
+
+        # Rates, forces and waves at the checks, beside their polynomials there
         defect = 0.0
         if len(first):
             wanted = node.rates(states, at_checks)
             defect = float(np.abs(wanted - AT_CHECKS @ rates).max())
-        for force, values in zip(forces, own, strict=True):
+        for force, values in zip(forces, forces_at_gauss, strict=True):
             missed = float(np.abs(force - AT_CHECKS @ values).max())
             defect = max(defect, missed * self.mobility)
-        for here, there in zip(at_gauss, at_checks, strict=True):
-            if here is not None:
-                missed = float(np.abs(there - AT_CHECKS @ here).max())
+        for values, values_at_checks in zip(at_gauss, at_checks, strict=True):
+            if values is not None:
+                missed = float(np.abs(values_at_checks - AT_CHECKS @ values).max())
                 defect = max(defect, missed)
         return Solved(
             accepted=converged and defect <= self.tolerance * self.speed,
             defect=defect,
             waves=at_gauss,
-            forces=own,
+            forces=forces_at_gauss,
             states_at_checks=states,
             closings_at_checks=closings,
             forces_at_checks=forces,
@@ -490,7 +505,9 @@ class Row:
         )
 
     def _collocate(self, node, first, half, waves):
-        """Rates at the Gauss points, by Newton's method."""
+        """Rates at the Gauss points [point, state] by Newton's method, and whether it
+        converged. The Jacobian is made of differences.
+        """
         size = len(first)
         rates = np.zeros((STAGES, size))
         if not size:
@@ -501,9 +518,8 @@ class Row:
             here = node.rates(states, waves)
             jacobian = np.zeros((STAGES, size, STAGES, size))
             for column in range(size):
-                step = DIFFERENCE_STEP * max(
-                    np.abs(states[:, column]).max(), half * self.speed
-                )
+                scale = max(np.abs(states[:, column]).max(), half * self.speed)
+                step = DIFFERENCE_STEP * scale
                 moved = states.copy()
                 moved[:, column] += step
                 slope = (node.rates(moved, waves) - here) / step
@@ -558,7 +574,9 @@ class Row:
                 continue
             values = solved.waves[side]
             if node.links:
-                force = solved.forces[-side]
+                # The end moves with the wave, -F/Z on the left and F/Z on the right;
+                # what leaves differs twice as much.
+                force = solved.forces[-side]  # of the first link, or of the last
                 values = values + (4 * side - 2) * node.mobility[side] * force
             cell = Cell(start, stop, FROM_VALUES @ values, breaks)
             node.leaving[side].cells.append(cell)

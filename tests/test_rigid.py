@@ -3,6 +3,7 @@ numbers.
 """
 
 import math
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -10,6 +11,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
+import rodimpact as ri
 from rodimpact import rigid
 
 EPS = np.finfo(float).eps
@@ -158,6 +160,25 @@ def test_a_stack_is_a_row_of_collisions():
 
 # Shapes
 # --------------------------------------------------------------------------------------
+
+
+def test_a_small_gap_makes_stacked_balls_collide_one_after_another():
+    """As `stack_drop` computes them; the tutorial and both helps say so."""
+    masses = [0.6, 0.06]
+    laws = [ri.Rigid(restitution=0.9), ri.Rigid(restitution=0.6)]
+    balls = [ri.Wall(), *[ri.RigidMass(mass) for mass in masses]]
+    system = ri.System(balls, [1.0, 1e-6], laws, gravity=-9.81)
+
+    solution = ri.solve(system, until=0.5)
+    after = solution.contacts[1].episodes[0].start + 1e-6  # s
+    velocity = solution.velocity(2, x=0.0, t=after)
+
+    expected = rigid.stack_drop(masses, [0.9, 0.6], height=1.0).velocities[-1]
+    assert velocity == pytest.approx(expected, rel=1e-4)
+    tutorial = Path(__file__).parent.parent / "docs" / "student.md"
+    assert "gaps=[1.0, 1e-6]" in tutorial.read_text()
+    assert "gaps=[1.0, 1e-6]" in rigid.stack_drop.__doc__
+    assert "touch at the same time are solved together" in ri.System.__doc__
 
 
 def test_shapes_of_results_are_those_of_the_broadcast_arguments():

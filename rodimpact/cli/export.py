@@ -6,7 +6,7 @@ collision with damping, for example, `rodimpact animate` makes a moving picture.
 
 import argparse
 
-from ..explorer.exploring import explore
+from ..explorer.exploring import check_page_name, explore
 from .arguments import Arguments
 from .exit_status import DONE, CommandResult
 
@@ -23,6 +23,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: Arguments) -> CommandResult:
     """Write the page; the result is its path and size."""
     case = args.read_case()
+    names = {"path": args.options["output"]}
+    args.build_or_add_problems(check_page_name, args.output, names=names)
     args.check_outputs("output")
     page = explore(case)
     page.save(args.output, force=args.force)

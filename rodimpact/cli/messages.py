@@ -63,6 +63,12 @@ PHRASES = {
     r"give youngs_modulus=": "give the bar youngs_modulus = ",
     r'save\("run\.toml"\)': "rodimpact run --save run.toml",
     r"solve its system again, and": "solve its case again by",
+    r"a figure is drawn by plot\.save\(plot\.overview\(solution\), path\)": (
+        "rodimpact run CASE.toml --plot FILE draws a figure"
+    ),
+    r"result\.to_csv\(path\) writes a table": (
+        "--csv prints a table: end the command with > FILE.csv"
+    ),
     r"write solution\.system as a case file": "save its system as a case file",
 }
 """Words of the command line in place of calls of Python, by a pattern of their text."""

@@ -24,6 +24,7 @@ from ..model.paths import suggestion
 from ..running.columns import layout_of
 from ..running.readings import RequestedReadings
 from ..running.sweep_report import sweep_json, sweep_table
+from ..running.sweep_result import check_family_name
 from ..units import shown
 from .arguments import Arguments, add_number, add_run_options, figure_writer
 from .exit_status import INCOMPLETE, CommandResult
@@ -90,6 +91,9 @@ def run(args: Arguments) -> CommandResult:
         if args.plot is not None:
             _check_figure(args, case)
     options = args.run_options(case)
+    if args.save is not None:
+        names = {"path": args.options["save"]}
+        args.build_or_add_problems(check_family_name, args.save, names=names)
     args.check_outputs("save", "plot", figure="plot")
 
     with args.naming_mistakes():

@@ -17,7 +17,7 @@ from ..model import System
 from ..model.arguments import check_flag
 from ..model.frozen import InvalidModel, defaults_of, invalid_argument
 from ..storage.casefile import Case, parse_case
-from ..storage.writing import PathLike, write_text
+from ..storage.writing import PathLike, check_ending, write_text
 from ..units import shown
 from ..version import __version__
 from .design import LIBRARY, tables_of, with_gauges
@@ -31,6 +31,12 @@ FRAME_STYLE = "width: 100%; height: 58rem; border: 0"
 REMEDY = "rodimpact animate CASE.toml -o FILE.gif makes a moving picture"
 """Way to see a collision that the page cannot solve."""
 DEFAULT_TITLE = "Elastic rods collide"
+
+
+def check_page_name(path: Any) -> None:
+    """Raise InvalidModel unless the name of a file is that of a page."""
+    remedy = "a figure is drawn by plot.save(plot.overview(solution), path)"
+    check_ending(path, (".html", ".htm"), remedy)
 
 
 @explain_missing()
@@ -85,15 +91,18 @@ class Page:
         Parameters
         ----------
         path : path-like
-            Name of the file.
+            Name of the file, which ends in ``.html`` or ``.htm``.
         force : bool
             Whether an existing file is replaced.
 
         Raises
         ------
+        InvalidModel
+            For any other ending.
         FileExistsError
             If the file is there and `force` is false.
         """
+        check_page_name(path)
         write_text(path, self.html, force=force)
 
     def open(self, browser: bool = True) -> str:

@@ -70,6 +70,8 @@ class System(FrozenDataclass):
     gaps : sequence of numbers, optional
         Initial distance between each body and its right neighbour, m, walls counted;
         default 0. A compliant contact may begin pressed: its gap is minus the overlap.
+        Contacts that touch at the same time are solved together. A small gap, 1e-6 m,
+        makes rigid bodies collide one after another.
     contacts : sequence of contact laws, optional
         Law of the contact between each body and its right neighbour, walls counted;
         default `Rigid`. Between rigid bodies a `Rigid` without restitution is refused:

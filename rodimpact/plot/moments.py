@@ -26,7 +26,8 @@ def moments(solution: Solution, at_most: int = 8) -> Floats:
     The times are the start and the end, each beginning and end of a force, each opening
     of a gap, waves half-way to their first reflection, and reflections while contacts
     last, the first at each end of a rod before others. The middles of the longest
-    intervals are added. Solutions with a time step have no reflections.
+    intervals are added. Solutions with a time step have no reflections. Of too many
+    events the first and the last are among the times, see `n_hidden_events`.
     """
     # Interesting is what happens from the first event to the last: [first, last].
     events: Floats = np.unique(contact_event_times(solution))
@@ -44,8 +45,9 @@ def moments(solution: Solution, at_most: int = 8) -> Floats:
     if not events.size and not reflections.all.size:
         at_most = MIN_MOMENTS
 
-    chosen = np.union1d(events, [0.0, solution.t_end])
-    chosen = chosen[evenly(chosen.size, at_most)]
+    ends = np.array([0.0, solution.t_end])
+    n_places = at_most - np.setdiff1d(ends, events).size
+    chosen = np.union1d(events[evenly(events.size, n_places)], ends)
     after = reflections.all[reflections.all > first]
     if after.size and chosen.size < at_most:  # waves half-way to their first reflection
         chosen = np.union1d(chosen, (first + after[0]) / 2)
@@ -58,6 +60,22 @@ def moments(solution: Solution, at_most: int = 8) -> Floats:
         waits = np.diff(np.union1d(first, after))
         shortest = SHORTEST_WAIT * float(waits.min(initial=np.inf))
     return _with_middles(chosen, (first, last), shortest, at_most)
+
+
+def n_hidden_events(solution: Solution, times: Floats) -> int:
+    """Number of times of events at the contacts that are not among `times`, s.
+
+    Of a solution with a time step, an event counts as shown if one of the times is
+    close to it, as `moments` takes events on neighbouring time steps for one.
+    """
+    events = np.unique(contact_event_times(solution))
+    if not events.size:
+        return 0
+    least = 0.0
+    if is_smooth(solution):
+        least = MIN_SPACING * float(events[-1] - events[0]) / times.size
+    distances = np.abs(events[:, np.newaxis] - times)  # s, [event, time]
+    return int(np.count_nonzero(distances.min(axis=1) > least))
 
 
 class _Reflections:

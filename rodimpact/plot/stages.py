@@ -24,7 +24,7 @@ from .labels import (
     text_width,
 )
 from .layout import choose_layout
-from .moments import events_at, moments
+from .moments import events_at, moments, n_hidden_events
 from .panels import (
     Draft,
     Picture,
@@ -86,8 +86,9 @@ def snapshots(
     ax : Axes, optional
         By default the Axes of a new figure.
     times : sequence of float, optional
-        Times, s; by default start, waves half-way, reflections, events at the contacts,
-        and end.
+        Times, s; by default at most eight: start, waves half-way, reflections, events
+        at the contacts, and end. A line below the picture tells how many events are not
+        shown; the first and the last are.
     magnification : float, optional
         Of displacements and gaps; by default chosen as in `spacetime`.
     gauges : mapping of str to Gauge, optional
@@ -117,8 +118,12 @@ def snapshots(
     True
     """
     check_has_rod(solution)
+    hidden = ""
     if times is None:
         when = moments(solution)
+        n_hidden = n_hidden_events(solution, when)
+        if n_hidden:
+            hidden = f"times of events at contacts not shown: {n_hidden}"
     else:
         when = array("times", times, "s").ravel()
     if when.size == 0:
@@ -146,7 +151,9 @@ def snapshots(
 
     velocity = _VelocityLabels(bars)
     _name_rows(ax, solution, when)
-    labels = (layout.label(x, size_in_points(ax)[0]), velocity.unit, LEGEND)
+    labels = [layout.label(x, size_in_points(ax)[0]), velocity.unit, LEGEND]
+    if hidden:
+        labels.append(hidden)
     bar = None
     if bars.is_smooth:
         bar = add_colour_bar(

@@ -28,7 +28,7 @@ from ..results.outcome import OnlyContact
 from ..results.solution import Solution
 from ..storage.extras import optional
 from ..storage.family_file import describe, restore
-from ..storage.writing import PathLike, write_lines, write_npz
+from ..storage.writing import PathLike, check_ending, write_lines, write_npz
 from ..units import shown
 from .columns import (
     ENDED,
@@ -65,6 +65,11 @@ class Axis(NamedTuple):
 
 class NotAskedFor(InvalidModel, UndefinedResult):
     """A result of a family that is computed only if `also` names it."""
+
+
+def check_family_name(path: Any) -> None:
+    """Raise InvalidModel unless the name of a file is that of a saved family."""
+    check_ending(path, (".npz",), "result.to_csv(path) writes a table")
 
 
 @explain_missing("contacts", "system")
@@ -317,10 +322,12 @@ class SweepResult(Shown, OnlyContact[Any]):
         FileExistsError
             If the file is there and `force` is false.
         InvalidModel
-            If a law of the system is a function.
+            If the name of the file does not end in ``.npz``, or a law of the system is
+            a function.
         OSError
             If the file cannot be written.
         """
+        check_family_name(path)
         contents = [self.system, asdict(self.options), list(self.readings)]
         document, arrays = describe(contents)
         arrays = arrays | self.columns  # beside those of the system

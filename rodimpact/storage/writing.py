@@ -49,6 +49,19 @@ def file_name(path: Any) -> str:
     return name
 
 
+def check_ending(path: Any, endings: tuple[str, ...], remedy: str) -> None:
+    """Raise InvalidModel unless the name of a file ends in one of `endings`.
+
+    They are in small letters, but capitals do not matter. `remedy` is the end of the
+    message.
+    """
+    name = file_name(path)
+    if not name.lower().endswith(endings):
+        wanted = " or ".join(endings)
+        message = f"must end in {wanted}, got {shown_path(name)}; {remedy}"
+        raise invalid_argument("path", message)
+
+
 def check_target(path: PathLike, *, force: bool = False) -> Path:
     """Make sure that a file may be written at `path`.
 

@@ -306,6 +306,14 @@ def test_collisions_that_stop_early_are_recorded_and_end_with_3(case, swept):
     assert data["columns"]["status"] == ["max_events"] * 2
 
 
+@pytest.mark.usefixtures("case", "no_sweep")
+def test_a_saved_family_is_no_table(refused):
+    error = refused(
+        "--save: must end in .npz, got 'e.csv'", "--vary", LENGTHS, "--save", "e.csv"
+    )
+    assert "--csv prints a table: end the command with > FILE.csv" in error
+
+
 def test_all_mistakes_are_reported_at_once(case, no_sweep, refused):
     Path("a.npz").write_text("precious")
     case.write_text(CASE.replace('"1 m"', "-1") + "[solve]\nuntil = 1\n")

@@ -168,6 +168,29 @@ def test_a_case_that_the_page_cannot_solve_is_refused_before_anything_is_written
     assert list(tmp_path.iterdir()) == [case]
 
 
+def test_a_page_is_no_figure(case, tmp_path, capsys):
+    assert main(["export", str(case), "-o", "p.pdf"]) == 2
+
+    error = capsys.readouterr().err
+    assert "--output: must end in .html or .htm, got 'p.pdf'" in error
+    assert "rodimpact run CASE.toml --plot FILE draws a figure" in error
+    assert list(tmp_path.iterdir()) == [case]
+
+
+def test_python_saves_a_page_and_a_family_under_their_own_endings_only(tmp_path):
+    rod = ri.Rod([0.2, 0.4], area=1e-4, material=ri.materials.steel, velocity=1.0)
+    family = ri.System([rod, ri.Wall()])
+    page = ri.explore(family[0])
+
+    with pytest.raises(ri.InvalidModel, match=r"path: must end in \.html or \.htm, "):
+        page.save(tmp_path / "page.pdf")
+    with pytest.raises(ri.InvalidModel, match=r"path: must end in \.npz, got"):
+        ri.sweep(family).save(tmp_path / "family.csv")
+    page.save(tmp_path / "page.HTM")
+
+    assert [path.name for path in tmp_path.iterdir()] == ["page.HTM"]
+
+
 def test_explore_opens_a_temporary_page_unless_told_not_to(
     case, tmp_path, monkeypatch, capsys
 ):

@@ -474,7 +474,7 @@ CALLS: dict[str, Callable[[], dict[str, Any]]] = {
     "Gauge.strain_at": lambda: {"t": 1e-5},
     "Gauge.to_csv": lambda: PATH,
     "Page.open": lambda: {"browser": False},
-    "Page.save": lambda: PATH,
+    "Page.save": lambda: {"path": "page.html", "force": True},
     "Solution.axial_force": field_arguments,
     "Solution.displacement": field_arguments,
     "Solution.energy": lambda: {"t": 1e-5},

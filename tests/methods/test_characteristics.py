@@ -438,7 +438,9 @@ def yielding_on_endless_bar(M, Z, k, strength, hardening):
 @pytest.mark.parametrize(
     ("mirrored", "hardening"), [(False, 0.7), (True, 0.7), (False, 0.0)]
 )
-def test_a_mass_on_an_endless_bar_that_yields_is_as_integrated(mirrored, hardening):
+def test_a_blow_on_an_endless_bar_through_what_yields_is_as_integrated(
+    mirrored, hardening
+):
     """Its impulse and largest force; the energies balance, and the law is left with the
     largest force as its yield force.
     """

@@ -74,9 +74,9 @@ def test_a_lower_level_that_the_user_asks_for_is_kept(monkeypatch):
 
 
 def test_a_call_on_a_deep_stack_takes_its_argument_and_raises_its_error():
-    calls = []
-    compiling.call_on_deep_stack(calls.append, 1)
-    assert calls == [1]
+    arguments_of_calls = []
+    compiling.call_on_deep_stack(arguments_of_calls.append, 1)
+    assert arguments_of_calls == [1]
     with pytest.raises(ZeroDivisionError):
         compiling.call_on_deep_stack(lambda x: 1 / x, 0)
 
@@ -170,10 +170,15 @@ def test_lengthened_lists_of_records_or_objects_begin_with_what_there_was():
 
 
 def test_blank_objects_are_records_of_zeros_and_can_be_set_each_alone():
+    zeros = np.zeros(3, NODE)
+
     nodes = record_lists.blank(3, NODE)
-    assert record_lists.as_records(nodes, NODE).tobytes() == np.zeros(3, NODE).tobytes()
+    records = record_lists.as_records(nodes, NODE)
+    assert records.tobytes() == zeros.tobytes()
+
     nodes[1].gap = 0.1
-    assert record_lists.as_records(nodes, NODE)["gap"].tolist() == [0.0, 0.1, 0.0]
+    records = record_lists.as_records(nodes, NODE)
+    assert records["gap"].tolist() == [0.0, 0.1, 0.0]
 
 
 # The cache
@@ -208,9 +213,11 @@ def test_machine_code_is_found_again_unless_a_source_changed(cache, monkeypatch)
     (file,) = new_kernel().files()
     assert file.is_relative_to(cache)
     assert cache_hits(new_kernel()) == 1
-    monkeypatch.setattr(
-        compiling, "digest_of", lambda module: "a constant of another file changed"
-    )
+
+    def other_digest(module):
+        return "a constant of another file changed"
+
+    monkeypatch.setattr(compiling, "digest_of", other_digest)
     assert cache_hits(new_kernel()) == 0
     assert cache_hits(new_kernel()) == 1
     assert cache_hits(new_kernel()) == 1

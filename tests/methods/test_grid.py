@@ -607,16 +607,18 @@ def test_every_known_error_is_stated_and_rough_ones_are_not_waited_for(
 
 
 def test_a_refined_mesh_meets_the_exact_restitution_to_rtol(monkeypatch):
+    """The first mesh, of 20 cells, has an error of 0.0107."""
     pair = [unit_rod(0.7, velocity=1.0), unit_rod(1.1, area=0.5)]
     restitution = ri.collide(*pair).restitution
     monkeypatch.setattr(finite_difference, "MIN_LONGEST_CELLS", 20)
 
-    solution = solve_row(pair, rtol=2e-2)
+    solution = solve_row(pair, rtol=1e-2)
 
-    assert solution.outcome.restitution == pytest.approx(restitution, abs=2e-2)
+    assert solution.outcome.restitution == pytest.approx(restitution, abs=1e-2)
 
 
 def test_what_has_not_converged_says_so_after_the_stated_errors(monkeypatch):
+    """From 20 to 40 cells nothing converges to 1e-9."""
     pair = [unit_rod(0.7, velocity=1.0), unit_rod(1.1, area=0.5)]
     monkeypatch.setattr(finite_difference, "MIN_LONGEST_CELLS", 20)
     monkeypatch.setattr(finite_difference, "MAX_REFINED_CELLS", 40)

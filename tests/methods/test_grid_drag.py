@@ -115,11 +115,14 @@ def random_row(seed):
             values = [coefficient, float(rng.choice([0.0, 1.0]))]
             step = length * float(rng.uniform(0.1, 0.9))
             coefficient = ri.Steps(values, at=[step])
+        area = float(rng.uniform(0.5, 2))
+        viscosity = float(rng.choice([0.0, 0.05]))
+        velocity = float(rng.uniform(-1, 1))
         rod = ri.Rod(
             length,
-            area=float(rng.uniform(0.5, 2)),
-            material=SOFT.replace(viscosity=float(rng.choice([0.0, 0.05]))),
-            velocity=float(rng.uniform(-1, 1)),
+            area=area,
+            material=SOFT.replace(viscosity=viscosity),
+            velocity=velocity,
             shaft=ri.Drag(coefficient),
         )
         rods.append(rod)

@@ -236,13 +236,13 @@ def random_stepped_rod(seed):
     0 a uniform one.
     """
     rng = np.random.default_rng(seed)
-    segments = [
-        thicken(rng, ri.Segment(0.5, area=1.0, material=unit_density(1.0))),
-        thicken(rng, ri.Segment(0.4, area=3.0, material=unit_density(2.0))),
-        thicken(rng, ri.Segment(0.6, area=0.7, material=unit_density(1.0))),
-    ]
+    soft = unit_density(1.0)
+    first = ri.Segment(0.5, area=1.0, material=soft)
+    second = ri.Segment(0.4, area=3.0, material=unit_density(2.0))
+    third = ri.Segment(0.6, area=0.7, material=soft)
+    segments = [thicken(rng, segment) for segment in (first, second, third)]
     if seed == 0:
-        segments = [ri.Segment(0.5, area=1.0, material=unit_density(1.0))]
+        segments = [first]
     velocity = ri.Samples([1.0, -1.0, 0.5])
     strain = ri.Samples([0.1, 0.0, -0.2])
     return ri.Rod(segments=segments, velocity=velocity, strain=strain)
@@ -443,19 +443,23 @@ def random_far_end(seed):
     The other end of the rod is free, fixed or absorbs, or a mass is bonded to it.
     """
     rng = np.random.default_rng(seed)
+    soft = unit_density(1.0)
     segments = [
-        ri.Segment(0.5, area=1.0, material=unit_density(1.0)),
-        ri.Segment(0.7, area=3.0, material=unit_density(1.0)),
-        ri.Segment(0.3, area=0.4, material=unit_density(1.0)),
+        ri.Segment(0.5, area=1.0, material=soft),
+        ri.Segment(0.7, area=3.0, material=soft),
+        ri.Segment(0.3, area=0.4, material=soft),
     ]
     if seed % 3 == 0:
         segments = [thicken(rng, segment) for segment in segments]
+    velocities = rng.uniform(-1, 1, 5)
+    strains = rng.uniform(-0.3, 0.3, 3)
     rod = ri.Rod(
         segments=segments,
-        velocity=ri.Samples(rng.uniform(-1, 1, 5).tolist()),
-        strain=ri.Samples([0.0, *rng.uniform(-0.3, 0.3, 3), 0.0]),
+        velocity=ri.Samples(velocities.tolist()),
+        strain=ri.Samples([0.0, *strains, 0.0]),
     )
-    end = (ri.Free(), ri.Fixed(), ri.Absorbing())[seed % 2 + (seed > 9)]
+    kinds_of_end = (ri.Free(), ri.Fixed(), ri.Absorbing())
+    end = kinds_of_end[seed % 2 + (seed > 9)]
     bodies = [rod, unit_rod()]
     gaps = [90.0]
     laws = [ri.Rigid()]

@@ -95,22 +95,22 @@ def test_a_dashpot_lets_go_inside_a_step_while_there_is_an_indentation(end):
     force = means(line, np.minimum(STEP_ENDS, end))
     gap = np.full(41, -0.1)
 
-    found = intervals(force, gap)
+    begins_and_ends = intervals(force, gap)
 
     expected = np.array([[0.0, end]])
-    assert found == pytest.approx(expected, rel=1e-9)
+    assert begins_and_ends == pytest.approx(expected, rel=1e-9)
 
 
 def test_a_force_begins_and_ends_where_lines_of_the_gap_are_0():
     force = [0, 0, 5, 8, 0]
     gap = [0.9, 0.7, 0.1, -0.1, 0.3, 0.5]
 
-    found = intervals(force, gap)
+    begins_and_ends = intervals(force, gap)
 
     # Before the force the gap falls by 0.6 a step, after it rises by 0.4.
     begin = 2 + 0.1 / 0.6
     end = 3 + 0.1 / 0.4
-    assert found == pytest.approx(np.array([[begin, end]]))
+    assert begins_and_ends == pytest.approx(np.array([[begin, end]]))
 
 
 @pytest.mark.parametrize(
@@ -148,10 +148,10 @@ def test_a_rigid_contact_lets_go_where_its_means_tell(force, end):
 
 
 def test_a_force_that_goes_on_has_no_end():
-    found = intervals([0, 1, 0, 2, 2], [0.0] * 6)
+    begins_and_ends = intervals([0, 1, 0, 2, 2], [0.0] * 6)
 
     expected = np.array([[1.0, 2.0], [3.0, np.nan]])
-    assert found == pytest.approx(expected, nan_ok=True)
+    assert begins_and_ends == pytest.approx(expected, nan_ok=True)
 
 
 def test_without_force_there_is_no_interval():

@@ -48,12 +48,17 @@ def random_resistance(rng, length):
 def random_rod_in_soil(rng):
     """A rod of one segment, at random in soil of either law, and perhaps viscous."""
     length = float(rng.uniform(0.5, 2))
+    resistance = random_resistance(rng, length)
+    quake = 10 ** rng.uniform(-2, 0)
+    damping = rng.choice([0.0, 10 ** rng.uniform(-2, 1)])
+    law = rng.choice(["smith", "viscous"])
+    mobilised = rng.uniform(-1, 1)
     soil = ri.Soil(
-        random_resistance(rng, length),
-        quake=float(10 ** rng.uniform(-2, 0)),
-        damping=float(rng.choice([0.0, 10 ** rng.uniform(-2, 1)])),
-        law=str(rng.choice(["smith", "viscous"])),
-        mobilised=float(rng.uniform(-1, 1)),
+        resistance,
+        quake=float(quake),
+        damping=float(damping),
+        law=str(law),
+        mobilised=float(mobilised),
     )
     viscosity = rng.choice([0.0, 0.05])
     return ri.Rod(

@@ -58,7 +58,7 @@ def test_the_memory_asked_for_bounds_what_is_taken_and_is_8_times_as_much_at_mos
     pytest.importorskip("numba")  # plain Python has lists beside arrays
     bytes_asked_for = []
 
-    def note_memory(numbers, *rest):
+    def note_memory(numbers, *_):
         bytes_asked_for.append(8 * numbers)  # a number has 8 bytes
 
     monkeypatch.setattr(memory, "MAX_BYTES", np.inf)

@@ -45,17 +45,24 @@ def solved_by_steps(kind, seed):
 def errors_of(solution, by_steps):
     """Largest error of each measure, over the scale for which errors are stated."""
     contacts = solution.run.contacts
-    pairs = {
-        "velocity": (solution.outcome.velocities_after, by_steps.velocities),
-        "impulse": ([c.impulse for c in contacts], by_steps.impulses),
-        "peak force": ([c.peak_force for c in contacts], by_steps.peaks),
-        "duration": ([c.duration for c in contacts], by_steps.durations),
-        "time": ([c.first for c in contacts], by_steps.firsts),
+    measures = {
+        "velocity": solution.outcome.velocities_after,
+        "impulse": [c.impulse for c in contacts],
+        "peak force": [c.peak_force for c in contacts],
+        "duration": [c.duration for c in contacts],
+        "time": [c.first for c in contacts],
+    }
+    exact_measures = {
+        "velocity": by_steps.velocities,
+        "impulse": by_steps.impulses,
+        "peak force": by_steps.peaks,
+        "duration": by_steps.durations,
+        "time": by_steps.firsts,
     }
     errors = {}
-    for name, (values, exact) in pairs.items():
+    for name, exact in exact_measures.items():
         # A contact that never presses has no first time: both must have none.
-        values = np.nan_to_num(np.asarray(values, dtype=float), nan=-1.0)
+        values = np.nan_to_num(np.asarray(measures[name], dtype=float), nan=-1.0)
         exact = np.nan_to_num(exact, nan=-1.0)
         scale = float(np.abs(exact).max())
         if name == "velocity":

@@ -268,11 +268,11 @@ def test_radii_make_a_family():
 
 
 def test_numbers_of_a_material_make_a_family():
-    material = ri.Material(
-        "m", youngs_modulus=[1e9, 2e9], density=1000, poisson_ratio=[[0.1], [0.2]]
-    )
+    moduli = [1e9, 2e9]
+    ratios = [[0.1], [0.2]]
+    material = STEEL.replace(youngs_modulus=moduli, poisson_ratio=ratios)
     family = ri.Hertz.from_radii(0.01, 0.01, material, right_material=None)
-    assert family.stiffness.shape == (2, 2)
+    assert family.stiffness.shape == (2, 2)  # [ratio, modulus]
 
 
 def mean_hertz_force(x0, x1):
@@ -411,23 +411,36 @@ def test_the_force_of_a_step_is_the_mean_force_of_any_yielding_table():
         assert pytest.approx(mean, rel=1e-6, abs=error_of_force) == F, seed
 
 
-def test_a_table_hardened_by_a_peak_force_is_elastic_up_to_it_and_then_goes_on():
-    law = ri.Tabulated([1.0, 2.0, 3.0], [1.0, 1.5, 3.5], unloading=4.0)
-    assert law.hardened(0.0) == law
+TABLE = ri.Tabulated([1.0, 2.0, 3.0], [1.0, 1.5, 3.5], unloading=4.0)
+"""Compressions and forces of points, which straight lines join; the slope of unloading.
+"""
 
+
+def test_a_table_hardened_by_a_peak_force_is_elastic_up_to_it_and_then_goes_on():
     # A force of 1.25 is halfway along the second line, from (1, 1) to (2, 1.5): at a
     # compression of 1.5, 0.5 before the next point.
     peak_force = 1.25
-    hardened = law.hardened(peak_force)
     elastic = peak_force / 4.0  # compression along the unloading line
+
+    hardened = TABLE.hardened(peak_force)
+
     compression = [elastic, elastic + 0.5, elastic + 1.5]
     np.testing.assert_allclose(hardened.compression, compression)
     assert hardened.force == (peak_force, 1.5, 3.5)
-    assert hardened.hardened(1.0) == hardened
 
-    # Beyond the last point, (3, 3.5), the last line goes on, with its slope of 2.
-    beyond_the_table = law.hardened(5.5)
-    np.testing.assert_allclose(beyond_the_table.slopes, [4.0, 2.0])
+
+def test_a_force_below_the_peak_does_not_harden_a_table():
+    hardened = TABLE.hardened(1.25)
+    not_loaded = TABLE.hardened(0.0)
+    hardened_again = hardened.hardened(1.0)
+    assert not_loaded == TABLE
+    assert hardened_again == hardened
+
+
+def test_a_table_hardened_beyond_its_last_point_goes_on_along_its_last_line():
+    """From (2, 1.5) to (3, 3.5), with a slope of 2."""
+    hardened = TABLE.hardened(5.5)
+    np.testing.assert_allclose(hardened.slopes, [4.0, 2.0])
 
 
 @pytest.fixture(params=["yielding", "tabulated"])

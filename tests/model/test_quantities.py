@@ -98,17 +98,19 @@ def declared(examples):
     unit.
     """
     for example in examples:
-        for name, field in type(example).fields.items():
+        kind = type(example)
+        for name, field in kind.fields.items():
             # The power of such a unit is another number.
             has_variable_unit = re.search(r"\^\(?[a-z]", field.unit)
             if name in APART or has_variable_unit:
                 continue
 
             def replaced(value, example=example, name=name):
-                return getattr(example.replace(**{name: value}), name)
+                changed = example.replace(**{name: value})
+                return getattr(changed, name)
 
             unit = OTHER[_library_spelling(field.unit)]
-            yield f"{type(example).__name__}.{name}", (replaced, unit)
+            yield f"{kind.__name__}.{name}", (replaced, unit)
 
 
 def refuses(make, value, message):
@@ -116,7 +118,8 @@ def refuses(make, value, message):
     try:
         make(value)
     except ValueError as error:
-        return re.search(message, str(error)) is not None
+        sentence = str(error)
+        return re.search(message, sentence) is not None
     return False
 
 
@@ -131,9 +134,28 @@ def taken_by(fields, value_for, message):
     return taken
 
 
+def loss_factor_of(material, frequency):
+    """Loss factor of a viscous material at a frequency, Hz: 2 pi f viscosity/E."""
+    return 2 * math.pi * frequency * material.viscosity / material.youngs_modulus
+
+
+def radius_of(law):
+    """Radius, m, of a sphere of steel on a flat of steel with this Hertz contact."""
+    of_1_metre = ri.Hertz.from_radii(1.0, math.inf, STEEL, STEEL)
+    ratio = law.stiffness / of_1_metre.stiffness
+    return ratio**2
+
+
 PULSE = ri.Signal([0.0, 1.0, 1.0], dt=1.0, unit="V")
 FLYING = ri.System([ri.Rod(0.4, area=1e-4, material=STEEL, velocity=1.0)])
 FLOWN = ri.solve(FLYING, until=5e-3)
+
+
+def swept(**gauges_and_times):
+    """Sweep of `FLYING`, with gauges of it at these times."""
+    return ri.sweep(FLYING, until=5e-3, **gauges_and_times)
+
+
 FIELDS = {
     "diameter": (lambda q: ri.Segment(0.4, diameter=q, material=STEEL).area, "mm"),
     "exponent": (lambda q: ri.PowerLaw(1.0, q).exponent, "kN/N"),
@@ -144,30 +166,13 @@ FIELDS = {
         lambda q: ri.Rod(q, area=ri.Steps([1, 2], [1e-9]), material=STEEL).length,
         "mm",
     ),
-    "loss factor": (
-        lambda q: STEEL.damped(q, STEEL.youngs_modulus / 2 / math.pi).viscosity,
-        "%",
-    ),
-    "frequency": (
-        lambda q: STEEL.youngs_modulus / 2 / math.pi / STEEL.damped(1, q).viscosity,
-        "kHz",
-    ),
+    "loss factor": (lambda q: loss_factor_of(STEEL.damped(q, 1.0), 1.0), "%"),
+    "frequency": (lambda q: 1 / loss_factor_of(STEEL.damped(1, q), 1.0), "kHz"),
     "radius": (
-        lambda q: (
-            (
-                ri.Hertz.from_radii(q, math.inf, STEEL, STEEL).stiffness
-                / ri.Hertz.from_radii(1.0, math.inf, STEEL, STEEL).stiffness
-            )
-            ** 2
-        ),
+        lambda q: radius_of(ri.Hertz.from_radii(q, math.inf, STEEL, STEEL)),
         "mm",
     ),
-    "gap": (
-        lambda q: ri.System(
-            [ri.Rod(1.0, area=1.0, material=STEEL), ri.Wall()], [q]
-        ).gaps[0],
-        "mm",
-    ),
+    "gap": (lambda q: ri.System([*FLYING.bodies, ri.Wall()], [q]).gaps[0], "mm"),
     "a force's duration": (
         lambda q: ri.Pushed(lambda t: t, duration=q).value.values[-1],
         "ms",
@@ -235,17 +240,15 @@ FIELDS = {
     "time in a solution": (lambda q: FLOWN.displacement(0, 0.0, q), "ms"),
     "gauge of a solution": (lambda q: FLOWN.gauge(0, q).x, "mm"),
     "gauges of a sweep": (
-        lambda q: ri.sweep(FLYING, until=5e-3, gauges=[(0, q)], times=[0.0]).gauges[0][
-            1
-        ],
+        lambda q: swept(gauges=[(0, q)], times=[0.0]).gauges[0][1],
         "mm",
     ),
-    "times of a sweep": (
-        lambda q: ri.sweep(FLYING, until=5e-3, gauges=[(0, 0.0)], times=[q]).times[0],
-        "ms",
-    ),
+    "times of a sweep": (lambda q: swept(gauges=[(0, 0.0)], times=[q]).times[0], "ms"),
     "theory wave number": (lambda q: ri.theory.horn_frequency(1.0, q, 0.0), "rad/mm"),
 }
+"""For each number that is tried by hand: how it is given, as q, to a call that tells it
+back, and a unit.
+"""
 MODEL = dict(declared(EXAMPLES))
 ALL = MODEL | dict(declared(SINGLE)) | FIELDS
 
@@ -302,14 +305,18 @@ class Labelled:
 
 
 def pint_quantity(number, unit):
+    """A number or array with a unit, as pint has it."""
     pint = pytest.importorskip("pint")
     spelling = unit.replace("%", "percent")
-    return pint.application_registry.get().Quantity(number, spelling)
+    registry = pint.application_registry.get()
+    return registry.Quantity(number, spelling)
 
 
 def astropy_quantity(number, unit):
+    """A number or array with a unit, as astropy has it."""
     units = pytest.importorskip("astropy.units")
-    return number * units.Unit(unit.replace("^1.5", "^(1.5)"))
+    spelling = unit.replace("^1.5", "^(1.5)")
+    return number * units.Unit(spelling)
 
 
 QUANTITIES = [Quantity, OtherQuantity, pint_quantity, astropy_quantity]
@@ -327,8 +334,9 @@ def test_every_field_converts_by_the_unit_of_the_quantity(quantity):
         factor, _ = UNITS[unit]
         converted[name] = make(quantity(3.0, unit))
         expected[name] = make(3.0 * factor)
+    axes = {np.ndim(value) for value in converted.values()}
     assert converted == pytest.approx(expected, rel=1e-14)
-    assert {np.ndim(value) for value in converted.values()} == {0}
+    assert axes == {0}
 
 
 @pytest.mark.parametrize("quantity", QUANTITIES)
@@ -336,8 +344,9 @@ def test_every_number_of_the_model_takes_an_array_with_a_unit(quantity):
     numbers = np.array([3.0, 2.0])
     for name, (make, unit) in MODEL.items():
         factor, _ = UNITS[unit]
+        expected = numbers * factor
         converted = make(quantity(numbers, unit))
-        assert converted == pytest.approx(numbers * factor, rel=1e-14), name
+        assert converted == pytest.approx(expected, rel=1e-14), name
 
 
 def subclasses(kind):
@@ -352,9 +361,11 @@ def test_every_class_that_declares_numbers_is_tried():
     declaring = set()
     for kind in subclasses(Frozen):
         is_public = not kind.__name__.startswith("_")
-        if kind.fields and is_public and kind.__module__.startswith("rodimpact."):
+        is_of_package = kind.__module__.startswith("rodimpact.")
+        if kind.fields and is_public and is_of_package:
             declaring.add(kind)
-    assert declaring == {type(example) for example in (*EXAMPLES, *SINGLE)}
+    tried = {type(example) for example in (*EXAMPLES, *SINGLE)}
+    assert declaring == tried
 
 
 def test_a_stiffness_of_any_power_must_be_bare():
@@ -366,12 +377,14 @@ def test_a_stiffness_of_any_power_must_be_bare():
 @pytest.mark.parametrize("quantity", QUANTITIES)
 def test_every_field_refuses_a_quantity_of_something_else(quantity):
     def wrong_quantity(unit):
+        """Grams, or millimetres where grams would be right."""
         wrong_unit = "g"
         if unit == "g":
             wrong_unit = "mm"
         return quantity(4.0, wrong_unit)
 
-    assert taken_by(ALL, wrong_quantity, r"got .*\b4\b") == []
+    taken = taken_by(ALL, wrong_quantity, r"got .*\b4\b")
+    assert taken == []
 
 
 def test_a_refusal_names_field_value_and_unit():
@@ -399,7 +412,8 @@ def test_what_has_a_unit_and_does_not_convert_is_refused():
     message = "length: must be in a unit that converts to m"
     with pytest.raises(ri.InvalidModel, match=message):
         ri.Rod(Mute(), area=1e-4, material=STEEL)
-    with pytest.raises(ValueError, match="m1: must be in a unit that converts to kg"):
+    message = "m1: must be in a unit that converts to kg"
+    with pytest.raises(ValueError, match=message):
         ri.rigid.reduced_mass(Mute(), 1.0)
 
 
@@ -423,19 +437,26 @@ def test_a_bad_member_of_a_quantity_is_named(quantity):
 
 
 def test_steps_of_a_quantity_are_refused_as_a_whole():
+    velocities = Quantity(np.array([1.0, 2.0]), "km/s")
     with pytest.raises(ri.InvalidModel, match="values: must have no unit"):
-        ri.Steps(Quantity(np.array([1.0, 2.0]), "km/s"), at=[0.1])
+        ri.Steps(velocities, at=[0.1])
 
 
-ON_A_WALL = ri.System([ri.Rod(0.4, area=1e-4, material=STEEL, velocity=1.0), ri.Wall()])
+ON_A_WALL = ri.System([*FLYING.bodies, ri.Wall()])
+"""A rod that strikes a wall at 1 m/s."""
 ON_GRID = {"method": "finite-difference", "until": 1e-4}
 
 
 def test_solve_takes_an_end_with_a_unit():
-    assert ri.solve(ON_A_WALL, until=Quantity(0.25, "ms")).t_end == 0.25e-3
+    solution = ri.solve(ON_A_WALL, until=Quantity(0.25, "ms"))
+    assert solution.t_end == 0.25e-3
+
+
+def test_solve_refuses_an_end_that_is_no_time():
+    length = Quantity(1.0, "mm")
     message = "until: must be in a unit that converts to s"
     with pytest.raises(ri.InvalidModel, match=message):
-        ri.solve(ON_A_WALL, until=Quantity(1.0, "mm"))
+        ri.solve(ON_A_WALL, until=length)
 
 
 def test_solve_takes_a_time_step_with_a_unit():
@@ -448,7 +469,9 @@ def test_solve_takes_snapshots_with_a_unit():
     times = Quantity(np.array([0.0, 0.05]), "ms")
     converted = ri.solve(ON_A_WALL, snapshots=times, cells=10, **ON_GRID)
     bare = ri.solve(ON_A_WALL, snapshots=[0.0, 5e-5], cells=10, **ON_GRID)
-    assert converted.velocity(0, 0.1, 5e-5) == bare.velocity(0, 0.1, 5e-5)
+    velocity = converted.velocity(0, 0.1, 5e-5)
+    expected = bare.velocity(0, 0.1, 5e-5)
+    assert velocity == expected
 
 
 @pytest.mark.parametrize(
@@ -473,10 +496,12 @@ def test_solve_takes_snapshots_with_a_unit():
 )
 def test_numbers_of_any_type_become_new_floats(value):
     converted = floats(value, "m")
+    expected = np.array(value, dtype=float)
+    shares_memory = np.shares_memory(converted, np.asarray(value))
     assert type(converted) is np.ndarray
     assert converted.dtype == np.float64
-    assert converted.tolist() == np.array(value, dtype=float).tolist()
-    assert not np.shares_memory(converted, np.asarray(value))
+    assert converted.tolist() == expected.tolist()
+    assert not shares_memory
 
 
 class Broken:
@@ -536,14 +561,15 @@ def test_a_number_too_large_for_a_float_is_infinite_and_refused():
 
 
 def test_no_library_of_units_or_labels_is_imported():
-    script = (
-        "import sys, rodimpact as ri; ri.Rod([1, 2], area=1, "
-        "material=ri.materials.steel);"
-        "print({'pint', 'astropy', 'unyt', 'xarray', 'pandas'} & set(sys.modules))"
-    )
-    ran = subprocess.run(
-        [sys.executable, "-c", script], capture_output=True, text=True, check=True
-    )
+    script = """
+import sys
+import rodimpact as ri
+ri.Rod([1, 2], area=1, material=ri.materials.steel)
+libraries = {'pint', 'astropy', 'unyt', 'xarray', 'pandas'}
+print(libraries & set(sys.modules))
+"""
+    command = [sys.executable, "-c", script]
+    ran = subprocess.run(command, capture_output=True, text=True, check=True)
     assert ran.stdout.strip() == "set()"
 
 
@@ -552,18 +578,24 @@ def test_no_library_of_units_or_labels_is_imported():
 
 
 def labelled():
+    """Two numbers with the name of their dimension."""
     return Labelled([1.0, 2.0])
 
 
 def data_array():
-    return pytest.importorskip("xarray").DataArray([1.0, 2.0], dims="case")
+    """The same by xarray."""
+    xarray = pytest.importorskip("xarray")
+    return xarray.DataArray([1.0, 2.0], dims="case")
 
 
 def series():
-    return pytest.importorskip("pandas").Series([1.0, 2.0], index=[1, 0])
+    """Two numbers with an index, by pandas."""
+    pandas = pytest.importorskip("pandas")
+    return pandas.Series([1.0, 2.0], index=[1, 0])
 
 
 def masked():
+    """Two numbers, of which the first one is masked."""
     return np.ma.array([1.0, 2.0], mask=[True, False])
 
 
@@ -580,7 +612,9 @@ LABELLED = [
 @pytest.mark.parametrize(("make_labels", "remedy"), LABELLED)
 def test_every_field_refuses_labelled_and_masked_arrays(make_labels, remedy):
     labels = make_labels()
-    assert taken_by(ALL, lambda unit: labels, re.escape(remedy)) == []
+    message = re.escape(remedy)
+    taken = taken_by(ALL, lambda unit: labels, message)
+    assert taken == []
 
 
 def test_labels_are_refused_in_lists_and_lists_of_steps_too():

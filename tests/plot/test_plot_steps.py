@@ -13,7 +13,7 @@ from matplotlib.collections import QuadMesh
 
 import rodimpact as ri
 from rodimpact import plot
-from rodimpact.plot.moments import moments
+from rodimpact.plot.moments import contact_event_times, moments
 
 MICROSECONDS = 1e6  # in a second
 
@@ -299,6 +299,25 @@ def test_moments_hold_all_events_at_the_contacts(solved):
             events.update(time for time in episode if not math.isnan(time))
 
     assert events <= set(moments(solution).tolist())
+
+
+def test_snapshots_show_the_first_and_last_of_many_events_and_count_the_hidden():
+    steel = ri.materials.steel
+    rods = []
+    for length in (0.2, 0.3, 0.5):
+        rods.append(ri.Rod(length, area=1e-4, material=steel, velocity=1.0))
+    solution = ri.solve(ri.System([*rods, ri.Wall()], gaps=[1e-5, 1e-5, 1e-5]))
+    events = set(contact_event_times(solution))
+
+    picture = plot.snapshots(solution)
+
+    shown = set(picture.times.tolist())
+    assert picture.times.size == 8
+    assert {min(events), max(events)} <= shown
+    caption = picture.ax.get_xlabel()
+    assert f"times of events at contacts not shown: {len(events - shown)}" in caption
+    chosen = plot.snapshots(solution, times=[0.0, 1e-4])
+    assert "not shown" not in chosen.ax.get_xlabel()
 
 
 def test_pieces_have_the_velocity_and_outline_of_the_rods(solved):

@@ -152,8 +152,11 @@ def test_a_joint_that_reflects_too_much_is_told():
     bar = ri.Rod(1.5, area=1e-4, material=metal)
     thin = ri.Rod(1.5, area=8e-5, material=metal)
     run = ri.solve(ri.System([striker, bar, thin]), until=1.5e-3)
-    on_first = ri.BarGauge(run.gauge(1, 0.75).signal(1e-6), 0.75)
-    on_second = ri.BarGauge(run.gauge(2, 0.75).signal(1e-6), 0.75)
+    from_joint = 0.75  # m, in the middle of either bar
+    first_record = run.gauge(1, from_joint).signal(1e-6)
+    second_record = run.gauge(2, from_joint).signal(1e-6)
+    on_first = ri.BarGauge(first_record, from_joint)
+    on_second = ri.BarGauge(second_record, from_joint)
 
     message = "clean and align the faces"
     with pytest.warns(ri.DoubtfulCalibration, match=message) as warned:

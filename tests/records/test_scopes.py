@@ -82,12 +82,23 @@ def test_a_rigol_scope_tells_start_and_increment(tmp_path):
         text += f"{i},{value:.9e},{-value:.9e},,\n"
     path = tmp_path / "NewFile1.csv"
     path.write_text(text)
+
     record = ri.read_signals(path)
+
+    times = TIMES - 1.2e-5  # from Start on
     assert list(record) == ["CH1", "CH2"]
-    assert record["CH2"].unit == "V"
-    assert record["CH1"].times == pytest.approx(TIMES - 1.2e-5, abs=1e-12)
-    assert record["CH2"].values == pytest.approx(-WAVE, abs=1e-8)
-    path.write_text(text.replace("-1.2e-05,1.0e-06", "none,none"))
+    first, second = record.values()
+    assert first.times == pytest.approx(times, abs=1e-12)
+    assert second.unit == "V"
+    assert second.values == pytest.approx(-WAVE, abs=1e-8)
+
+
+def test_a_rigol_scope_without_start_and_increment_is_refused(tmp_path):
+    text = (
+        "X,CH1,Start,Increment,\nSequence,Volt,none,none\n0,1.0,,\n1,2.0,,\n2,3.0,,\n"
+    )
+    path = tmp_path / "NewFile1.csv"
+    path.write_text(text)
     with pytest.raises(FileFormatError, match="no numbers below Start and Increment"):
         ri.read_signals(path)
 

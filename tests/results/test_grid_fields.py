@@ -251,7 +251,9 @@ def masses_and_stepped_rod():
 
 @pytest.fixture(scope="module")
 def meshes_of_stepped_rod():
-    """Its solutions on three meshes, each with twice the cells of the one before."""
+    """Solutions of `masses_and_stepped_rod` on three meshes, each with twice the cells
+    of the one before.
+    """
     system = masses_and_stepped_rod()
     return [ri.solve(system, 2.5, METHOD, cells=cells) for cells in (20, 40, 80)]
 

@@ -32,11 +32,12 @@ def test_the_closed_form_of_a_pair_has_the_numbers_of_its_solution(system, sourc
     assert theory.source == source
     collision = theory.collision()
     for name in ("restitution", "impulse", "duration", "peak_force"):
-        expected = getattr(outcome, name)
-        assert getattr(collision, name) == pytest.approx(expected, rel=1e-5)
-    for i, velocity in enumerate(outcome.velocities_after):
-        column = theory.column(f"velocity_after.{i}")
-        assert column.item() == pytest.approx(velocity, abs=1e-5)
+        value = getattr(collision, name)
+        computed = getattr(outcome, name)
+        assert value == pytest.approx(computed, rel=1e-5)
+    for i, computed in enumerate(outcome.velocities_after):
+        velocity = theory.column(f"velocity_after.{i}")
+        assert velocity.item() == pytest.approx(computed, abs=1e-5)
 
 
 VIBRATING = rod(velocity=ri.Steps([1.0, 2.0], [0.5]))
@@ -77,8 +78,10 @@ def value_of(system, name):
 
 @pytest.mark.parametrize("left", [STRUCK, ri.Wall(), MASS])
 def test_a_family_has_the_values_of_its_members(left):
-    family = ri.System([left, rod(0.4, [-1.0, 0.5, -2.0])])
+    velocities = [-1.0, 0.5, -2.0]
+    family = ri.System([left, rod(0.4, velocities)])
     theory = pair_theory(family)
     for name in COLUMNS:
+        values = theory.column(name)
         alone = [value_of(family[i], name) for i in range(3)]
-        np.testing.assert_array_equal(theory.column(name), alone)
+        np.testing.assert_array_equal(values, alone)

@@ -51,10 +51,9 @@ def pieces_of(function, marks):
 
 
 def solution_from_waves(system, right_going, left_going, end):
-    """The solution of a rod from the waves that leave its ends."""
-    clock = Clock(
-        build_row(system), TICK, [TICKS], DRIFT, SPEED, impedance=[0.0, Z, 0.0]
-    )
+    """The solution of a rod from the waves that leave its ends, until `end`, s."""
+    row = build_row(system)
+    clock = Clock(row, TICK, [TICKS], DRIFT, SPEED, impedance=[0.0, Z, 0.0])
     waves = Waves([None, None, right_going, left_going, None, None])
     signals = Signals(waves, contacts=(), boundary_actions=(None, None))
     run = Run(

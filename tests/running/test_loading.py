@@ -37,9 +37,13 @@ LONG = ri.Rod(1.0, area=1e-4, material=STEEL)
 
 
 def test_text_is_written_as_it_is(tmp_path):
-    write_text(tmp_path / "a.txt", "Länge\r\n1 µm\n")
-    assert (tmp_path / "a.txt").read_bytes() == "Länge\r\n1 µm\n".encode()
-    assert os.listdir(tmp_path) == ["a.txt"]
+    text = "Länge\r\n1 µm\n"
+    path = tmp_path / "a.txt"
+
+    write_text(path, text)
+
+    assert path.read_bytes() == text.encode()
+    assert os.listdir(tmp_path) == ["a.txt"]  # and no temporary file
 
 
 @pytest.mark.parametrize("mask", [0o022, 0o077])
@@ -86,7 +90,7 @@ def test_only_regular_files_are_replaced(tmp_path):
 
 
 def fail(error):
-    """A function of any arguments that raises an error."""
+    """A function of any arguments that raises this error."""
 
     def function(*_):
         raise error
@@ -105,11 +109,14 @@ def fail(error):
     ids=lambda e: type(e).__name__,
 )
 def test_a_failure_leaves_everything_as_it_was(tmp_path, monkeypatch, step, error):
+    """`step` is the function of `os` that fails with the error."""
     path = tmp_path / "a.txt"
     path.write_text("old")
     monkeypatch.setattr(writing.os, step, fail(error))
+
     with pytest.raises(type(error)) as caught:
         write_text(path, "new", force=True)
+
     assert type(caught.value) is type(error)
     if isinstance(error, OSError):
         assert str(caught.value) == f"cannot write {str(path)!r}: {error.strerror}"
@@ -229,6 +236,7 @@ def test_a_saved_solution_is_found_again_bit_for_bit_and_saved_as_the_same_file(
     case = ri.read_case(path)
     assert case.system == system
     assert case.solve == options
+    # A text has no path.
     again = ri.parse_case(ri.format_case(case))
     assert again == dataclasses.replace(case, path="case")
 
@@ -266,14 +274,18 @@ def test_the_state_of_a_smooth_wave_comes_back_equal(tmp_path):
 def test_a_case_that_is_too_large_for_a_reader_is_not_written(tmp_path, monkeypatch):
     solution = ri.solve(ri.System([SHORT, ri.Wall()]))
     size = len(ri.format_case(case_of(solution)).encode())
-    monkeypatch.setattr("rodimpact.storage.case_writing.MAX_CASE_BYTES", size - 1)
-    with pytest.raises(
-        ri.InvalidModel, match=f"system: .* {size} bytes.*fewer samples"
-    ):
-        solution.save(tmp_path / "run.toml")
-    assert not list(tmp_path.iterdir())
-    monkeypatch.setattr("rodimpact.storage.case_writing.MAX_CASE_BYTES", size)
-    solution.save(tmp_path / "run.toml")
+    limit = "rodimpact.storage.case_writing.MAX_CASE_BYTES"
+    path = tmp_path / "run.toml"
+    message = f"system: .* {size} bytes.*fewer samples"
+
+    monkeypatch.setattr(limit, size - 1)
+    with pytest.raises(ri.InvalidModel, match=message):
+        solution.save(path)
+    assert not path.exists()
+
+    monkeypatch.setattr(limit, size)
+    solution.save(path)
+    assert path.exists()
 
 
 def test_a_solution_is_saved_as_a_case_only(tmp_path):
@@ -363,12 +375,15 @@ def test_a_difference_within_the_stated_errors_of_both_runs_is_none(tmp_path):
     speeds = np.abs(solution.outcome.velocities_after)
     scale = max(solution.run.clock.scale, *speeds)
     error = result.accuracy["velocity"] * scale  # m/s
+    name = "velocity_after.1"
+    within = changed(result, name, lambda v: v + 1.99 * error)
+    beyond = changed(result, name, lambda v: v + 2.01 * error)
     assert error > 0
 
-    write_with(path, changed(result, "velocity_after.1", lambda v: v + 1.99 * error))
-    assert ri.load(path).final == solution.final
+    write_with(path, within)
+    assert ri.load(path).final == solution.final  # a warning would be an error
 
-    write_with(path, changed(result, "velocity_after.1", lambda v: v + 2.01 * error))
+    write_with(path, beyond)
     with pytest.warns(ri.OutcomeDiffers, match=r"velocity_after\.1 is "):
         ri.load(path)
 
@@ -383,8 +398,10 @@ def test_unknown_errors_allow_everything_and_texts_are_not_compared(tmp_path):
         accuracy=unknown_errors, version="0.0.1", status="earlier words"
     )
     write_with(path, result)
-    # A warning would be an error here.
-    assert ri.load(path).outcome.status != "earlier words"
+
+    loaded = ri.load(path)  # a warning would be an error
+
+    assert loaded.outcome.status != "earlier words"
 
 
 def test_many_differences_are_counted_in_a_short_warning(tmp_path):
@@ -526,7 +543,7 @@ def test_a_file_that_ends_anywhere_is_refused_or_lacks_only_its_last_tables():
     text = ri.format_case(saved_case())
     begin_of_errors = text.index("[result.accuracy]")
     outcome = saved_case().result._replace(accuracy={})
-    ends = range(0, len(text), 7)
+    ends = range(0, len(text), 7)  # every seventh, to save time
     sentences = []
     for end in ends:
         try:
@@ -537,6 +554,7 @@ def test_a_file_that_ends_anywhere_is_refused_or_lacks_only_its_last_tables():
         if result is not None:
             assert end > begin_of_errors
             assert result._replace(accuracy={}) == outcome
+    # Most files are refused, and not all.
     assert len(ends) / 2 < len(sentences) < len(ends)
     for sentence in sentences:
         assert 0 < len(sentence) < 4000
@@ -601,20 +619,21 @@ def test_files_of_families_have_every_class_of_the_model_but_functions():
 
 def test_the_file_of_a_family_opens_with_numpy_and_json_alone(saved):
     with np.load(saved, allow_pickle=False) as archive:
-        # NaN and Infinity are no JSON.
-        document = json.loads(
-            str(archive["document"]), parse_constant=fail(ValueError("no JSON"))
-        )
-        first, second = document["content"][0]["bodies"]
-        reference = first["length"]  # of a part of an array of the file
-        start = reference["start"]
-        (count,) = reference["shape"]
-        lengths = archive[reference["array"]][start : start + count].tolist()
-        restitution = archive["restitution"].tolist()
-    assert lengths == [0.2, 0.4]
-    assert restitution == pytest.approx([0.2, 0.4])
+        arrays = dict(archive)
+    # NaN and Infinity are no JSON.
+    refuse = fail(ValueError("no JSON"))
+    document = json.loads(str(arrays["document"]), parse_constant=refuse)
+
+    first, second = document["content"][0]["bodies"]
+    reference = first["length"]  # to a part of an array of the file
+    start = reference["start"]
+    (count,) = reference["shape"]
+    array = arrays[reference["array"]]
+    lengths = array[start : start + count]
+    assert lengths.tolist() == [0.2, 0.4]
+    assert second["length"] == LONG.length  # 1 m, so that e = l1/l2 is l1
+    assert arrays["restitution"] == pytest.approx(lengths)
     assert document["rodimpact"] == ri.__version__
-    assert second["length"] == LONG.length
 
 
 def test_pickled_arrays_are_never_unpickled(saved, tmp_path):

@@ -20,9 +20,13 @@ from rodimpact.storage import checkpoint
 from rodimpact.storage.checkpoint import Checkpoint
 
 STEEL = ri.materials.steel
-CHUNK = 4  # members of a chunk, by the fixture `small_chunks`
-ROWS = 30  # of two members: 15 chunks
-MANY_ROWS = 60  # of two members: 30 chunks
+CHUNK = 4
+"""Members of a chunk, by the fixture `small_chunks`."""
+ROWS = 30
+"""Rows of a family, of two members each: 15 chunks."""
+MANY_ROWS = 60
+"""Rows of a large family, of two members each: 30 chunks."""
+N_CHUNKS = 2 * ROWS // CHUNK
 GAUGED = {"until": 3e-4, "gauges": [(0, 0.05), (1, 0.5)], "times": [0.0, 1e-4, 2e-4]}
 
 
@@ -94,28 +98,28 @@ def test_a_finished_sweep_is_read_as_it_was_run_without_running(tmp_path, monkey
     assert not runs
 
 
-@pytest.mark.parametrize("options", exhaustive.few_of([{}, GAUGED], [GAUGED]))
-def test_an_interrupted_sweep_goes_on(tmp_path, monkeypatch, options):
+@pytest.mark.parametrize("readings", exhaustive.few_of([{}, GAUGED], [GAUGED]))
+def test_an_interrupted_sweep_goes_on(tmp_path, monkeypatch, readings):
     """What was done is not done again, and the end is the same."""
+    options = {"checkpoint": tmp_path, **readings}
 
     def interrupt(done, total):
         if done >= 20:
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        ri.sweep(
-            family(), workers=1, checkpoint=tmp_path, progress=interrupt, **options
-        )
-    done = chunks_on_disk(tmp_path)
+        ri.sweep(family(), workers=1, progress=interrupt, **options)
+    chunks_done = chunks_on_disk(tmp_path)
     with recorded_runs(monkeypatch) as runs:
-        result = ri.sweep(family(), checkpoint=tmp_path, **options)
+        result = ri.sweep(family(), **options)
 
     members_run = sum(math.prod(chunk.shape) for chunk in runs)
-    uninterrupted = ri.sweep(family(), **options)
-    assert 0 < done < 15
-    assert members_run == 2 * ROWS - CHUNK * done
+    members_left = 2 * ROWS - CHUNK * chunks_done
+    uninterrupted = ri.sweep(family(), **readings)
+    assert 0 < chunks_done < N_CHUNKS
+    assert members_run == members_left
     assert same(result, uninterrupted)
-    if options:
+    if readings:
         assert result.strain.tobytes() == uninterrupted.strain.tobytes()
 
 
@@ -200,7 +204,7 @@ def test_a_killed_process_goes_on_to_the_same_bytes(tmp_path, seed):
 
     result = ri.sweep(family(MANY_ROWS), checkpoint=folder)
 
-    assert 0 < chunks_after_kills[0] < 30
+    assert 0 < chunks_after_kills[0] < 2 * MANY_ROWS // CHUNK
     assert chunks_after_kills == sorted(chunks_after_kills)
     assert same(result, ri.sweep(family(MANY_ROWS)))
     for path in folder.iterdir():
@@ -209,12 +213,14 @@ def test_a_killed_process_goes_on_to_the_same_bytes(tmp_path, seed):
 
 
 def test_a_full_disk_is_an_error_that_loses_nothing(tmp_path, monkeypatch):
+    """There is room for five chunks on the disk."""
+    room = 5
     put = Checkpoint.put
     calls = []
 
     def put_until_full(self, *arguments):
         calls.append(arguments)
-        if len(calls) > 5:
+        if len(calls) > room:
             raise OSError(errno.ENOSPC, "No space left on device")
         put(self, *arguments)
 
@@ -222,8 +228,11 @@ def test_a_full_disk_is_an_error_that_loses_nothing(tmp_path, monkeypatch):
         patch.setattr(Checkpoint, "put", put_until_full)
         with pytest.raises(OSError, match="No space left"):
             ri.sweep(family(), workers=1, checkpoint=tmp_path)
-    assert chunks_on_disk(tmp_path) == 5
-    assert same(ri.sweep(family(), checkpoint=tmp_path), ri.sweep(family()))
+    chunks_kept = chunks_on_disk(tmp_path)
+    with_room_again = ri.sweep(family(), checkpoint=tmp_path)
+
+    assert chunks_kept == room
+    assert same(with_room_again, ri.sweep(family()))
 
 
 @pytest.mark.parametrize(
@@ -272,7 +281,7 @@ COLUMNS = [
 
 
 def swept_into_files(path, monkeypatch):
-    """Result of a sweep with a checkpoint, and its 15 files in order, one a chunk.
+    """Result of a sweep with a checkpoint, and its files in order, one a chunk.
 
     From now on sweeps write a file for each chunk.
     """
@@ -280,7 +289,7 @@ def swept_into_files(path, monkeypatch):
     result = ri.sweep(family(), workers=1, checkpoint=path)
     assert set(result.columns) == set(COLUMNS)
     files = sorted(path.iterdir())
-    assert len(files) == 15
+    assert len(files) == N_CHUNKS
     return result, files
 
 
@@ -310,9 +319,9 @@ def test_a_damaged_file_is_told_and_kept_and_only_its_members_run_again(
         again = ri.sweep(family(), checkpoint=tmp_path)
 
     # A chunk has two rows of two members: the fifth one has the rows 8 and 9.
-    lengths = [chunk.bodies[0].length for chunk in runs]
+    lengths_run = [chunk.bodies[0].length for chunk in runs]
     lengths_of_fifth = family().bodies[0].length[8:10, 0]
-    assert set(np.ravel(lengths)) == set(lengths_of_fifth)
+    assert set(np.ravel(lengths_run)) == set(lengths_of_fifth)
     assert same(again, result)
     # The warning names the line that calls `sweep`.
     assert warned[0].filename == __file__
@@ -320,9 +329,9 @@ def test_a_damaged_file_is_told_and_kept_and_only_its_members_run_again(
     (aside,) = tmp_path.glob(".rodimpact-*")
     assert aside.read_bytes() == damaged
     # It is not in the way of the next sweep.
-    with recorded_runs(monkeypatch) as runs:
+    with recorded_runs(monkeypatch) as later_runs:
         ri.sweep(family(), checkpoint=tmp_path)
-    assert not runs
+    assert not later_runs
 
 
 def test_a_file_of_another_sweep_among_those_of_this_one_is_refused(
@@ -365,7 +374,7 @@ def test_two_processes_may_start_on_one_directory(tmp_path):
 
     _, errors = other_process.communicate()
     assert errors == ""
-    assert chunks_on_disk(folder) == 30
+    assert chunks_on_disk(folder) == 2 * MANY_ROWS // CHUNK
     again = ri.sweep(family(MANY_ROWS), checkpoint=folder)
     uninterrupted = ri.sweep(family(MANY_ROWS))
     assert same(result, uninterrupted)

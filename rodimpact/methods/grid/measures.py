@@ -217,7 +217,7 @@ def _end_of_dashpot(force: Floats, i: int, j: int) -> float:
         return j - 1.0
     # The mean of the step is half of the force at its begin, times this time.
     time_to_zero = 2 * last / at_begin
-    return j - 1 + min(1.0, time_to_zero)
+    return float(j - 1 + min(1.0, time_to_zero))
 
 
 def _end_of_rigid_contact(force: Floats, i: int, j: int) -> float:
@@ -237,7 +237,7 @@ def _end_of_rigid_contact(force: Floats, i: int, j: int) -> float:
         # The force is the last mean in the middle of the last step, and falls by
         # `last_fall` in a step.
         if falls_evenly and last <= last_fall:
-            return begin + 0.5 + last / last_fall
+            return float(begin + 0.5 + last / last_fall)
     return begin + share_of_jump(force[max(i, j - 4) : j])
 
 
