@@ -22,7 +22,6 @@ NAMES = {
     "magnification": "--magnify",
     "limit": "--until",
     "stop": "--until",
-    "solution": "CASE.toml",
 }
 """Names of arguments of the library in messages."""
 
@@ -70,6 +69,13 @@ def run(args: Arguments) -> CommandResult:
     options = args.run_options(case)
     args.build_or_add_problems(check_film, args.output, names=NAMES)
     args.build_or_add_problems(check_frames, args.frames, args.fps)
+    if case is not None and "rod" not in case.system.kinds:
+        message = (
+            "needs at least one rod, whose waves the picture shows; for rigid masses "
+            f"`rodimpact run {args.case} --plot FILE.png` draws the contacts and the "
+            "energy"
+        )
+        args.add_problem("bodies", message)
     args.check_outputs("output")
 
     with args.naming_mistakes():

@@ -32,7 +32,13 @@ def with_gauges(case: Case) -> Case:
     """
     rods = [i for i, body in enumerate(case.system.bodies) if isinstance(body, Rod)]
     if not rods:
-        raise InvalidModel([("bodies", "needs at least one rod")])
+        file = case.path or "CASE.toml"  # no path: a system that was given
+        message = (
+            "needs at least one rod, whose waves the page shows; for rigid masses "
+            f"`rodimpact run {file} --plot FILE.png` draws the "
+            "contacts and the energy, as rodimpact.plot.overview does"
+        )
+        raise InvalidModel([("bodies", message)])
     if case.gauges:
         return case
     middle = GaugePlace(rods[-1], fraction=0.5)

@@ -753,7 +753,7 @@ def check_has_rod(value: Any) -> None:
     check_solution(value)
     if "rod" not in value.system.kinds:
         message = (
-            "has no rod, and rigid masses have no waves to be drawn; draw its contacts "
-            "and its energy"
+            "has no rod, and rigid masses have no waves to be drawn; "
+            "rodimpact.plot.overview(solution) draws its contacts and its energy"
         )
         raise invalid_argument("solution", message)

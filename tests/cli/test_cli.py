@@ -349,6 +349,30 @@ def test_a_run_of_no_time_is_no_page_and_no_film(
 
 
 @pytest.mark.parametrize(
+    "argv",
+    [
+        ["animate", "ball.toml", "-o", "a.gif"],
+        ["export", "ball.toml", "-o", "a.html"],
+        ["explore", "ball.toml", "--no-browser"],
+    ],
+)
+def test_waves_of_rigid_masses_are_refused_with_the_command_that_draws_them(
+    case, refuses, output_of, argv
+):
+    masses = [ri.RigidMass(1.0, velocity=1.0), ri.RigidMass(2.0)]
+    system = ri.System(masses, contacts=[ri.Rigid(restitution=0.8)])
+    Path("ball.toml").write_text(ri.format_case(system))
+    command = "rodimpact run ball.toml --plot FILE.png"
+
+    refuses(argv, "bodies: needs at least one rod", f"`{command}`")
+
+    assert files_in(case.parent) == {"case.toml", "ball.toml"}
+    _, *remedy = command.replace("FILE.png", "a.png").split()
+    output_of(*remedy)
+    assert Path("a.png").exists()
+
+
+@pytest.mark.parametrize(
     ("argv", "sentence"),
     [
         (
