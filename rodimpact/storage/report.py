@@ -14,7 +14,7 @@ from ..units import format_si
 from .tables import align, joules, versioned_json, without_round_off
 
 MAX_LISTED_EPISODES = 12
-"""Episodes that a table lists, at most."""
+"""Episodes that a table lists from the first on, and last ones that it adds."""
 ENERGY_LABELS = {
     "kinetic": "moving as a whole",
     "vibrational_kinetic": "vibration, kinetic part",
@@ -346,23 +346,32 @@ def _error_text(value: float) -> str:
 def _episodes_table(solution: Any) -> str:
     """Times of the first episodes, contact by contact from the left; "" without any.
 
-    After `MAX_LISTED_EPISODES` a last line tells how many more there are.
+    After `MAX_LISTED_EPISODES` a line tells how many are left out. The last episodes of
+    contacts with several follow: a ball that bounces comes to rest in its last one.
     """
     names = contact_names(solution.system.kinds)
     rows = []
+    last_rows = []  # of contacts whose last episode is not among the first rows
     for contact in solution.contacts:
         for episode in contact.episodes:
             # The fields of an episode are these times, in the order of the head below.
             times = [format_si(t, "s") for t in episode]
             rows.append([names[contact.index], *times])
+        if len(contact.episodes) > 1 and len(rows) > MAX_LISTED_EPISODES:
+            last_rows.append(rows[-1])
     if not rows:
         return ""
     head = ["contact", "force from", "force ends", "gap opens"]
-    table = align([head, *rows[:MAX_LISTED_EPISODES]])
-    hidden = len(rows) - MAX_LISTED_EPISODES
+    first_rows = rows[:MAX_LISTED_EPISODES]
+    last_rows = last_rows[:MAX_LISTED_EPISODES]
+    lines = align([head, *first_rows, *last_rows]).splitlines()
+    hidden = len(rows) - len(first_rows) - len(last_rows)
     if hidden > 0:
-        table += f"\n... and {hidden} more"
-    return table
+        note = f"... and {hidden} more"
+        if last_rows:
+            note += "; the last ones of contacts are:"
+        lines.insert(1 + MAX_LISTED_EPISODES, note)  # below the head and the first rows
+    return "\n".join(lines)
 
 
 def _sentences(outcome: Any) -> str:

@@ -157,14 +157,44 @@ def test_solution_table_tells_when_contacts_press_and_open(unequal):
     assert cells(episode, "1-2") == ["0 s", "158.493 us", "396.232 us"]
 
 
-def test_a_long_list_of_episodes_is_cut_and_counted():
+@pytest.fixture(scope="module")
+def bouncing_ball():
+    """A ball that falls on a wall, bounces many times and comes to rest."""
+    law = ri.Rigid(restitution=0.8)
+    row = ri.System([ri.Wall(), ri.RigidMass(0.06)], [1.0], [law], gravity=-9.81)
+    return ri.solve(row, until=5.0)
+
+
+def test_a_long_list_of_episodes_is_cut_and_counted(bouncing_ball):
+    (contact,) = bouncing_ball.contacts
+    n_left_out = len(contact.episodes) - report.MAX_LISTED_EPISODES - 1
+    lines = str(bouncing_ball).splitlines()
+    listed = [line for line in lines if line.startswith("wall-1")]
+
+    assert f"... and {n_left_out} more; the last ones of contacts are:" in lines
+    assert len(listed) == 1 + report.MAX_LISTED_EPISODES + 1  # the line of the outcome
+
+
+def test_the_last_episode_of_a_ball_tells_when_it_came_to_rest(bouncing_ball):
+    (contact,) = bouncing_ball.contacts
+    fall = math.sqrt(2 * 1.0 / 9.81)
+    rest = fall * (1 + 0.8) / (1 - 0.8)
+    lines = str(bouncing_ball).splitlines()
+
+    listed = [line for line in lines if line.startswith("wall-1")]
+
+    assert contact.episodes[-1].start == pytest.approx(rest, rel=1e-5)
+    assert cells(listed[-1], "wall-1")[0] == f"{rest:.6g} s"
+
+
+def test_single_episodes_of_many_contacts_are_cut_and_counted():
     # The pulse passes each of the 20 contacts of equal rods once.
     n_contacts = 20
     cradle = ri.solve(ri.System([rod(0.1, 1.0), *[rod(0.1)] * n_contacts]))
     n_episodes = sum(len(contact.episodes) for contact in cradle.contacts)
     n_left_out = n_contacts - report.MAX_LISTED_EPISODES
     assert n_episodes == n_contacts
-    assert f"... and {n_left_out} more" in str(cradle)
+    assert f"... and {n_left_out} more" in str(cradle).splitlines()
 
 
 def test_json_has_system_outcome_and_episodes_without_loss(unequal):
