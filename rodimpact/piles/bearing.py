@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..hints import explain_arguments, explain_missing
+from ..methods.memory import TooLong
 from ..methods.registry import checked_count
 from ..methods.signals import Floats
 from ..model import Rod, Soil, System
@@ -239,7 +240,7 @@ def bearing_graph(
     ------
     InvalidModel
         If the system is no pile, an argument is wrong, or soil of a resistance cannot
-        carry the pile at rest.
+        carry the pile at rest or would let the ram drive it farther than its length.
 
     Examples
     --------
@@ -266,6 +267,8 @@ def bearing_graph(
         workers = checked_count(problems, "workers", workers)
     check_progress(problems, progress)
     raise_if_problems(problems)
+    if until is None and system.gravity == 0:  # else `at_rest` refuses weak soil
+        _check_strength(system, row, R)
     settings = Settings(row, share, cells, until)
     points: dict[int, BearingPoint] = {}
     with (
@@ -283,6 +286,30 @@ def bearing_graph(
                 points[job.start] = job.result
             report(len(points), R.size)
     return BearingGraph(system, share, tuple(points[i] for i in range(R.size)))
+
+
+def _check_strength(system: System, row: PileRow, R: Floats) -> None:
+    """Raise InvalidModel for soil that stops the pile only far below its length.
+
+    A blow until it is over would take very long. `R` are resistances in N, such as
+    those from numbers that were meant in kN.
+    """
+    ram: Any = system.bodies[0]
+    energy = float(ram.mass) * float(ram.velocity) ** 2 / 2
+    length = 0.0  # of the pile, m
+    for body in system.bodies[row.pile :]:
+        length += float(getattr(body, "length", 0.0))
+    for i, resistance in enumerate(R.tolist()):
+        distance = energy / resistance
+        if distance > length:
+            message = (
+                f"{format_si(resistance, 'N', digits=3)} is too small: the "
+                f"{format_si(energy, 'J', digits=3)} of the ram would drive the pile "
+                f"by {format_si(distance, 'm', digits=3)}, more than its length of "
+                f"{format_si(length, 'm', digits=3)}; a number without a unit is in "
+                "N; raise it, or end the blow by until="
+            )
+            raise invalid_argument(f"resistances[{i}]", message)
 
 
 class Settings(NamedTuple):
@@ -396,7 +423,16 @@ def _blow(pile: System, resistance: float, settings: Settings) -> Blow:
         except InvalidModel as error:
             message = f"of {format_si(resistance, 'N')}: {error}"
             raise invalid_argument("resistances", message) from error
-    return strike(pile, pile, settings.row, cells, settings.until)
+    try:
+        return strike(pile, pile, settings.row, cells, settings.until)
+    except TooLong as error:
+        ((_, message),) = error.problems
+        size, _, _ = message.partition("; ")  # a sentence, and a remedy for single runs
+        if settings.until is not None:
+            remedy = f"{size}; end the blow earlier, or take fewer cells"
+            raise invalid_argument("until", remedy) from error
+        remedy = f"of {format_si(resistance, 'N')}: {size}; end the blow by until="
+        raise invalid_argument("resistances", remedy) from error
 
 
 def _relative(change: float, value: float) -> float:

@@ -130,6 +130,7 @@ def test_a_call_that_cannot_be_read_is_refused_before_the_graph_is_asked_for(
     [
         (("--resistance", "-3kN"), "--resistance: must be a finite positive"),
         ((*GRID, "--shaft-share", "1"), "--shaft-share: must be below 1"),
+        (("--resistance", "200"), "--resistance: 200 N is too small: the 27.6 kJ"),
         ((*GRID, "--cells", "2"), "--cells: must be a whole number from 4"),
     ],
 )

@@ -187,6 +187,40 @@ def test_a_resistance_that_does_not_bear_the_weight_is_refused():
         ri.bearing_graph(pile_with_weight(), [1e3], cells=8)
 
 
+def test_soil_that_stops_the_pile_far_below_its_length_is_refused(monkeypatch):
+    monkeypatch.setattr(bearing, "_blow", lambda *_: pytest.fail("solved"))
+    energy = RAM.mass * RAM.velocity**2 / 2  # J
+    weak = 0.99 * energy / LENGTH  # N
+
+    message = r"resistances\[1\]: 1.8 kN is too small: the 27.3 kJ of the ram would "
+    with pytest.raises(ri.InvalidModel, match=message) as caught:
+        ri.bearing_graph(pipe_pile("smith"), [300e3, weak])
+
+    remedy = "a number without a unit is in N; raise it, or end the blow by until="
+    assert str(caught.value).endswith(remedy)
+
+
+def test_a_weak_soil_may_be_struck_for_a_given_time():
+    (point,) = ri.bearing_graph(pipe_pile("smith"), 200.0, cells=8, until=1e-3).points
+    assert not point.is_over
+
+
+@pytest.mark.parametrize(
+    ("until", "message"),
+    [
+        (None, "resistances: of 300 kN: a run of .* memory.*; end the blow by until="),
+        (0.02, "until: a run of .*; end the blow earlier, or take fewer cells"),
+    ],
+)
+def test_a_blow_without_enough_memory_is_refused_by_an_argument_that_was_given(
+    until, message, monkeypatch
+):
+    monkeypatch.setattr("rodimpact.methods.memory.MAX_BYTES", 1000.0)
+
+    with pytest.raises(ri.InvalidModel, match=message):
+        ri.bearing_graph(pipe_pile("smith"), 300e3, cells=8, until=until)
+
+
 @pytest.fixture(scope="module")
 def short_graph():
     """A graph of two blows that are cut short after 5 ms."""
