@@ -274,13 +274,21 @@ def _first_pulse(name: str, times: Floats, strain: Floats, compression: str) -> 
     `FIRST_PULSE_RATIO` of the largest strain, and ends where that mean is back at rest.
     `strain` is positive in compression if `compression`, the sign in the records, is
     right. InvalidModel, which names the argument `name`, if the first pulse is a
-    tension, or none can be timed.
+    tension, or none can be timed, or single samples stand far above all others.
     """
     values = strain - np.median(strain[:MIN_REST_SAMPLES])
     window = np.ones(SMOOTHED_SAMPLES) / SMOOTHED_SAMPLES
     smooth = np.convolve(values, window, "same")
     largest = np.abs(values).max()
     is_high = np.abs(smooth) > FIRST_PULSE_RATIO * largest
+    if largest > 0 and not is_high.any():
+        wrong = int(np.abs(values).argmax())
+        time = format_si(times[wrong], "s")
+        raise invalid_argument(
+            name,
+            f"has single samples far above all others, at {time} a strain of "
+            f"{strain[wrong]:.3g}; remove wrong samples from the record",
+        )
     first = int(np.argmax(is_high))  # the first sample that is high
     is_tension = smooth[first] <= 0
     if is_tension:

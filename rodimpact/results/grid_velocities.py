@@ -48,7 +48,7 @@ def _means_over_two_steps(velocity: Floats, when: Ints) -> Floats:
     `when` is the number of the time step of each state. Where the state of the step
     before or after was not kept, the velocity itself stays, as it does at t = 0. The
     state after t = 0 and the last one have one-sided means, if the states of the three
-    steps behind or before them were kept.
+    steps after or before them were kept; the state at t = 0 counts in no mean.
     """
     means = velocity.copy()
     is_next_step = np.diff(when) == 1  # whether neighbouring states are a step apart
@@ -57,11 +57,13 @@ def _means_over_two_steps(velocity: Floats, when: Ints) -> Floats:
     mean += 2 * velocity[1:-1]
     mean /= 4
     np.copyto(means[1:-1], mean, where=has_both_neighbours[:, None])
-    # At t = 0 velocities may jump, so that state 1 has no mean over both its sides. The
-    # states 0 to 4 must be consecutive.
-    if when[0] == 0 and len(when) > 4 and is_next_step[:4].all():
-        means[1] = _one_sided_mean(velocity[1:5])
-    if len(when) > 3 and is_next_step[-3:].all():
+    # At t = 0 velocities may jump, so that no mean may count the state 0: state 1 has
+    # none over both its sides. The states 0 to 4 must be consecutive.
+    if when[0] == 0 and len(when) > 1 and is_next_step[0]:
+        means[1] = velocity[1]
+        if len(when) > 4 and is_next_step[:4].all():
+            means[1] = _one_sided_mean(velocity[1:5])
+    if len(when) > 3 and when[-4] > 0 and is_next_step[-3:].all():
         means[-1] = _one_sided_mean(velocity[:-5:-1])  # the last four, backwards
     return means
 

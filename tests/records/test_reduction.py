@@ -3,6 +3,7 @@ gauges.
 """
 
 import itertools
+import re
 import warnings
 from dataclasses import replace
 
@@ -958,6 +959,20 @@ def test_a_specimen_in_millimetres_given_as_metres_is_doubted(specimen, part):
         found = ri.reduce(*measured_gauges(), BAR, specimen, compression="positive")
 
     assert has(found.doubts, part)
+
+
+def test_a_single_wrong_sample_above_the_pulse_is_named_with_its_time():
+    input_gauge, output_gauge = measured_gauges()
+    strain = output_gauge.signal
+    values = strain.values.copy()
+    values[-50] = 3 * np.abs(values).max()
+    disturbed = ri.Signal(values, dt=strain.dt, start=strain.start, unit=strain.unit)
+    gauges = (input_gauge, output_gauge.replace(signal=disturbed))
+
+    time = ri.units.format_si(strain.times[-50], "s")
+    message = f"single samples far above all others, at {time}"
+    with pytest.raises(ri.InvalidModel, match=re.escape(message)):
+        ri.reduce(*gauges, BAR, SPECIMEN, compression="positive")
 
 
 def test_one_reversed_gauge_is_told_from_a_reversed_sign():

@@ -9,6 +9,7 @@ from networks import UNIT, unit_rod
 
 import rodimpact as ri
 from rodimpact.methods.grid.mesh import STEP_TICKS
+from rodimpact.results.grid_velocities import _means_over_two_steps
 
 METHOD = "finite-difference"
 THICK = ri.Material(
@@ -514,3 +515,15 @@ def test_a_wall_and_a_rigid_mass_on_a_grid_have_no_strain(body, kind, field):
     value_at = getattr(solution, field)
     with pytest.raises(ri.InvalidModel, match=f"{body} is {kind} and has no"):
         value_at(body, 0.0, 0.0)
+
+
+@pytest.mark.parametrize(
+    "steps", [[0, 1, 2], [0, 1, 2, 3], [0, 1, 2, 9], range(5), [0, 1, 2, 3, 4, 9]]
+)
+def test_no_mean_over_steps_counts_the_velocity_before_a_jump_at_the_start(steps):
+    when = np.array(steps)
+    velocity = np.where(when == 0, 5.0, 1.0)[:, None]  # [state, node], m/s
+
+    means = _means_over_two_steps(velocity, when)
+
+    np.testing.assert_array_equal(means, velocity)
