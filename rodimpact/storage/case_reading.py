@@ -11,6 +11,7 @@ from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from .. import materials
 from ..methods.registry import Options
@@ -57,7 +58,9 @@ Materials = dict[str, Material]
 
 
 def case_from(
-    data: dict[str, Any], source: str = "case", vary: Mapping[str, str] | None = None
+    data: dict[str, Any],
+    source: str = "case",
+    vary: Mapping[str, ArrayLike] | None = None,
 ) -> Case:
     """Make a case of the tables that a case file holds.
 

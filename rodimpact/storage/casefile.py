@@ -68,9 +68,13 @@ entry, which may then be absent, and the case becomes a family with one axis a g
 Numbers that are tied to another one follow it along its axis.
 """
 
+from __future__ import annotations
+
 import os
 import tomllib
 from collections.abc import Mapping
+
+from numpy.typing import ArrayLike
 
 from ..hints import explain_arguments
 from ..model.frozen import invalid_argument
@@ -87,7 +91,7 @@ from .writing import file_name
 
 @explain_arguments
 def read_case(
-    path: str | os.PathLike[str], vary: Mapping[str, str] | None = None
+    path: str | os.PathLike[str], vary: Mapping[str, ArrayLike] | None = None
 ) -> Case:
     """Read a case file.
 
@@ -95,7 +99,7 @@ def read_case(
     ----------
     path : str or path
         Name of a TOML file in UTF-8.
-    vary : mapping of str to str, optional
+    vary : mapping of str to str or array, optional
         Paths of numbers and the grids to vary them on, as for `parse_case`.
 
     Returns
@@ -143,7 +147,7 @@ def read_case(
 
 @explain_arguments
 def parse_case(
-    text: str, source: str = "case", vary: Mapping[str, str] | None = None
+    text: str, source: str = "case", vary: Mapping[str, ArrayLike] | None = None
 ) -> Case:
     """Read the text of a case file.
 
@@ -153,11 +157,12 @@ def parse_case(
         TOML.
     source : str
         Name of the text in messages.
-    vary : mapping of str to str, optional
+    vary : mapping of str to str or array, optional
         For each number to vary its path, such as ``bodies.0.length`` or
         ``materials.NAME.density``, and the text of a grid: ``start:stop:count`` for
         equal steps, ``start:stop:count:log`` for equal ratios, both with both ends, or
-        a list ``a,b,c``. Each number may have a unit. The k-th of them becomes axis k
+        a list ``a,b,c``. Each number may have a unit. A list or an array takes the
+        place of a text; its numbers are in SI units. The k-th of them becomes axis k
         of the family. A number may be tied to another one that varies, ``FACTOR*PATH``
         or ``FACTOR*PATH/DIVISOR``, and has no axis of its own; factors may have units,
         too. Several numbers may be tied to a variable: a name of your own, such as

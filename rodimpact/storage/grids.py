@@ -1,8 +1,9 @@
 """Numbers of a case that vary: the text "0.1:1:200" becomes an array.
 
-The array lies along an axis of its own. A number may be tied to another one that
-varies, by a factor: "2.5 mm*contacts.1.stiffness". It has no axis of its own. A name
-that is no number of the case, such as R, is a variable if another number is tied to it.
+A list or an array of values does so, too. The array lies along an axis of its own. A
+number may be tied to another one that varies, by a factor: "2.5 mm*bodies.1.mass". It
+has no axis of its own. A name that is no number of the case, such as R, is a variable
+if another number is tied to it.
 """
 
 import re
@@ -10,6 +11,7 @@ from collections.abc import Collection, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from .. import units
 from ..hints import listed
@@ -40,7 +42,7 @@ class Varied(NamedTuple):
 
 
 class Grid:
-    """The text of a grid, which stands in for the number at a path.
+    """The text or the list of a grid, which stands in for the number at a path.
 
     Attributes
     ----------
@@ -79,8 +81,14 @@ class Grid:
         if the text is no grid.
         """
         unit = ""
-        if isinstance(self.text, str):  # anything else is refused by `grid_values`
-            first, *_ = re.split("[:,]", self.text, maxsplit=1)
+        first = self.text
+        if isinstance(first, str):
+            first, *_ = re.split("[:,]", first, maxsplit=1)
+        else:
+            items = _listed_values(self.text)
+            if items:
+                first = items[0]
+        if isinstance(first, str):  # anything else is in SI units, or is refused below
             unit = units.read_amount(first).unit
         values = grid_values(self.text, units.dimension_of(unit))
         return Varied(self.path, values, unit)
@@ -216,8 +224,18 @@ def _source_of(path: str, text: Any, paths: Collection[str]) -> str:
         return ""
     others = [name for name in paths if name != path]
     for name in others:
-        if _parts_of_tie(text, name) is not None:
+        parts = _parts_of_tie(text, name)
+        if parts is not None:
+            _check_factors(path, text, parts, others)
             return name
+    for name in others:
+        if _is_formula_of(text, name):
+            message = (
+                f"must be a product with {name}, as FACTOR*{name} or {name}/DIVISOR, "
+                f"got {shown(text)}; else compute its values and list them, and leave "
+                f"out {name}"
+            )
+            raise invalid_argument(path, message)
     names_number = CASE_NUMBER_PATTERN.search(text) is not None
     if names_number:  # and none that varies
         hint = "vary the number to which it is tied, too"
@@ -228,7 +246,51 @@ def _source_of(path: str, text: Any, paths: Collection[str]) -> str:
     return ""
 
 
-def read_grids(vary: Mapping[str, str] | None) -> dict[str, Grid | Tie]:
+def _check_factors(
+    path: str, text: str, parts: TieParts, others: Collection[str]
+) -> None:
+    """Raise InvalidModel for a product of two numbers of the case, or two variables.
+
+    The parts are those of the text at `path`, which ties that number to one of `others`
+    by a factor or a divisor. Only texts that are no amounts are taken for names.
+    """
+    for part in (parts.factor, parts.operand):
+        if part == "" or _is_amount(part):
+            continue
+        for name in others:
+            if _names(part, name):
+                message = f"is a product with {name}, which varies, too"
+                remedy = "tie it to one of both, and write a value for the other"
+                raise invalid_argument(path, f"{message}, got {shown(text)}; {remedy}")
+        if CASE_NUMBER_PATTERN.search(part) is not None:
+            message = f"has {part.strip()} as a factor, which does not vary"
+            remedy = "write its value in its place, such as 2mm"
+            raise invalid_argument(path, f"{message}, got {shown(text)}; {remedy}")
+
+
+def _is_formula_of(text: str, name: str) -> bool:
+    """Whether a value in the text of a grid is no amount, and has this name in it."""
+    for value in re.split("[:,]", text):
+        if _names(value, name) and not _is_amount(value):
+            return True
+    return False
+
+
+def _names(text: str, name: str) -> bool:
+    """Whether the name of a number or a variable stands in a text, as a whole word."""
+    return re.search(rf"(?<![\w.]){re.escape(name)}(?![\w.])", text) is not None
+
+
+def _is_amount(text: str) -> bool:
+    """Whether a text is a number, with or without a unit."""
+    try:
+        units.read_amount(text)
+    except ValueError:
+        return False
+    return True
+
+
+def read_grids(vary: Mapping[str, ArrayLike] | None) -> dict[str, Grid | Tie]:
     """Return grids and ties by their paths, from their texts; {} for None.
 
     The k-th grid runs along axis k; a tie runs along the axis of its source, which must
@@ -282,13 +344,27 @@ def variables_of(grids: Mapping[str, Grid | Tie], numbers: Collection[str]) -> s
     return names
 
 
+def _listed_values(grid: Any) -> list[Any]:
+    """Values of a list or an array in one dimension; [] for anything else."""
+    values = grid
+    if isinstance(grid, np.ndarray):
+        values = grid.tolist()
+    if isinstance(values, list | tuple):
+        return list(values)
+    return []
+
+
 def grid_values(text: Any, dimension: str) -> Floats:
     """All values of a grid, shape (n,), in the SI unit of the dimension.
 
     The text is a list "a,b,c", or "start:stop:count" with both ends and equal steps,
-    with ":log" equal ratios. ValueError for anything else, for one value with different
+    with ":log" equal ratios. In its place there may be a list or an array of numbers,
+    or of texts with units. ValueError for anything else, for one value with different
     ends, for equal ratios from or to 0, and for ends too far apart for floats.
     """
+    items = _listed_values(text)
+    if 1 <= len(items) <= MOST_MEMBERS:
+        return np.array([units.parse(item, dimension) for item in items])
     if isinstance(text, str) and ":" not in text:  # a list
         return np.array([units.parse(number, dimension) for number in text.split(",")])
     spaced = None

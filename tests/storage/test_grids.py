@@ -432,7 +432,7 @@ WITH_UNTIL = PROFILES_AND_SEGMENTS + "[solve]\nuntil = 1\n"
                         "1:2:\u00b2",
                         "1:2:10000001",
                         "1:2:" + "9" * 5000,
-                        [1, 2],
+                        {"start": 1},
                     )
                 ),
                 ("1:2:1", "cannot be at both ends"),
@@ -702,11 +702,98 @@ def test_a_variable_without_unit_stands_for_any_quantity():
     assert axis.unit == ""
 
 
-@pytest.mark.parametrize("grid", [5, [1, 2], None])
-def test_the_grid_of_a_variable_must_be_text(grid):
+@pytest.mark.parametrize("grid", [5, [], np.array(5.0), {}, None])
+def test_the_grid_of_a_variable_must_be_text_or_a_list(grid):
     messages = problems(PILE, {"R": grid, "bodies.0.velocity": "R"})
 
     assert messages["bodies.0.velocity"].startswith("must be start:stop:count")
+
+
+HEIGHTS = np.array([0.5, 1.0, 1.5])  # m
+
+
+@pytest.mark.parametrize(
+    ("grid", "values"),
+    [
+        ([1.0, 2], [1.0, 2.0]),
+        ((3.0,), [3.0]),
+        (["1 m/s", "200 cm/s"], [1.0, 2.0]),
+        (np.sqrt(2 * 9.81 * HEIGHTS), np.sqrt(2 * 9.81 * HEIGHTS).tolist()),
+        (np.array([1, 2]), [1.0, 2.0]),
+    ],
+)
+def test_a_list_or_an_array_takes_the_place_of_a_grid(grid, values):
+    vary = {"bodies.1.length": "10,20", "bodies.0.velocity": grid}
+
+    case = parse_case(PILE, vary=vary)
+
+    lengths, velocities = case.varied
+    assert lengths.values.tolist() == [10.0, 20.0]
+    assert velocities.unit == "m/s"
+    assert velocities.values.tolist() == values
+    assert case.system[1, -1].bodies[0].velocity == values[-1]
+
+
+@pytest.mark.parametrize("grid", [[200e3, 1e6], ["200 kN", "1 MN"]])
+def test_numbers_may_be_tied_to_a_list(grid):
+    (axis,) = parse_case(PILE, vary={"R": grid, "contacts.1.yield_force": "R"}).varied
+
+    assert axis.values.tolist() == [200e3, 1e6]
+
+
+@pytest.mark.parametrize(
+    ("grid", "said"),
+    [
+        (np.ones((2, 2)), "cannot read [1.0, 1.0] as velocity"),
+        ([1.0, math.nan], "cannot read nan as velocity"),
+        ([1.0, "2 kg"], "'kg' is a unit of mass"),
+        ([], "must be start:stop:count"),
+    ],
+)
+def test_mistakes_of_listed_values_are_named(grid, said):
+    messages = problems(PILE, {"bodies.0.velocity": grid})
+
+    assert said in messages["bodies.0.velocity"]
+
+
+@pytest.mark.parametrize(
+    ("vary", "path", "said"),
+    [
+        (
+            {"r": "1,2", "bodies.0.mass": "r*bodies.1.length"},
+            "bodies.0.mass",
+            "has bodies.1.length as a factor, which does not vary, got "
+            "'r*bodies.1.length'; write its value in its place",
+        ),
+        (
+            {"h": "2ft:4ft:3", "bodies.0.velocity": "sqrt(2*9.81*h)"},
+            "bodies.0.velocity",
+            "must be a product with h, as FACTOR*h or h/DIVISOR, got "
+            "'sqrt(2*9.81*h)'; else compute its values and list them, and leave out h",
+        ),
+        (
+            {"h": "1,2", "bodies.0.velocity": "h + 1"},
+            "bodies.0.velocity",
+            "must be a product with h",
+        ),
+        (
+            {"R": "1,2", "L": "3,4", "bodies.0.mass": "R*L"},
+            "bodies.0.mass",
+            "is a product with L, which varies, too, got 'R*L'; tie it to one of both",
+        ),
+    ],
+)
+def test_ties_that_are_no_product_with_one_number_have_one_mistake(vary, path, said):
+    messages = problems(PILE, vary)
+
+    assert [*messages] == [path]
+    assert said in messages[path]
+
+
+def test_a_variable_may_be_called_like_a_unit():
+    vary = {"m": "1 m,2 m", "bodies.1.length": "m", "bodies.0.velocity": "1 m/s"}
+
+    assert parse_case(PILE, vary=vary).system.shape == (2, 1)
 
 
 def test_32_numbers_may_vary_and_33_are_refused():
