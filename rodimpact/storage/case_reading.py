@@ -53,6 +53,19 @@ ANY_ROD = Rod(1.0, area=1.0, material=materials.steel)
 ANY_LAW = Spring(1.0)  # which goes between any bodies
 STAND_INS: dict[str, Body] = {"rod": ANY_ROD, "mass": RigidMass(1.0), "wall": Wall()}
 """Bodies in place of those with mistakes, by kind."""
+KIND_OF_WORD = {
+    "anvil": "wall",
+    "ball": "mass",
+    "bar": "rod",
+    "beam": "rod",
+    "floor": "wall",
+    "ground": "wall",
+    "helmet": "mass",
+    "pile": "rod",
+    "ram": "mass",
+    "soil": "wall",
+}
+"""Kinds of bodies by words that are no kinds, but may be meant."""
 Materials = dict[str, Material]
 """Materials by name."""
 
@@ -281,6 +294,13 @@ def read_body(table: Table, library: Materials) -> Body | None:
 
     None if the kind is missing or unknown. All mistakes are noted.
     """
+    given = table.get("kind")
+    if isinstance(given, str) and given.lower() in KIND_OF_WORD:
+        meant = KIND_OF_WORD[given.lower()]
+        message = (
+            f"unknown kind {shown(given)}; use {meant!r}; a kind is rod, mass or wall"
+        )
+        table.note_mistake("kind", message)
     kind = table.word("kind", BODIES)
     if kind is None:
         return None

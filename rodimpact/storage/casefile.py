@@ -71,6 +71,7 @@ Numbers that are tied to another one follow it along its axis.
 from __future__ import annotations
 
 import os
+import re
 import tomllib
 from collections.abc import Mapping
 
@@ -78,7 +79,7 @@ from numpy.typing import ArrayLike
 
 from ..hints import explain_arguments
 from ..model.frozen import invalid_argument
-from ..units import shown
+from ..units import one_line, shown
 from .case import MAX_CASE_BYTES
 from .case import Case as Case
 from .case import GaugePlace as GaugePlace
@@ -87,6 +88,11 @@ from .case_writing import format_case as format_case
 from .case_writing import write_case as write_case
 from .reading import open_regular
 from .writing import file_name
+
+BARE_VALUE = re.compile(
+    r"""(?<=[=,[{])\s*(?P<value>[^\s"'\[\]{},#=][^"'\[\]{},#=]*)(?=[,\]}#]|$)"""
+)
+"""A value that is neither text nor a list or a table, in a line of a case file."""
 
 
 @explain_arguments
@@ -209,8 +215,26 @@ def parse_case(
     except (ValueError, RecursionError) as error:
         # For a number of 5000 digits Python adds a hint at sys.set_int_max_str_digits.
         reason, _, _ = str(error).partition("; use sys.")
-        message = f"is not valid TOML: {reason}"
+        message = f"is not valid TOML: {reason}{_hint_at_quotes(text, reason)}"
         if not source.endswith(".toml"):
             message += "; a case file is TOML (a record is read by `rodimpact compare`)"
         raise invalid_argument(source, message) from None
     return case_from(data, source, vary)
+
+
+def _hint_at_quotes(text: str, reason: str) -> str:
+    """Remedy for a value without its quotes, such as 400 mm; "" for another mistake.
+
+    `reason` is the message of `tomllib`, which names the line.
+    """
+    place = re.search(r"\(at line (\d+), column \d+\)", reason)
+    if place is None:
+        return ""
+    line = text.split("\n")[int(place[1]) - 1]
+    for match in BARE_VALUE.finditer(line):
+        value = match["value"].strip()
+        try:
+            tomllib.loads(f"value = {value}")
+        except ValueError:
+            return f'; put text in quotes, "{one_line(value)}"'
+    return ""

@@ -387,6 +387,16 @@ def test_a_case_is_frozen():
             "unknown kind 'Rood'; perhaps 'rod'",
         ),
         (
+            HEAD + "[[bodies]]\nkind='ground'",
+            "bodies.0.kind",
+            "unknown kind 'ground'; use 'wall'; a kind is rod, mass or wall",
+        ),
+        (
+            HEAD + "[[bodies]]\nkind='Ram'",
+            "bodies.0.kind",
+            "unknown kind 'Ram'; use 'mass'; a kind is rod, mass or wall",
+        ),
+        (
             HEAD + A_ROD + "velocty = 1",
             "bodies.0.velocty",
             "unknown key; perhaps 'velocity'",
