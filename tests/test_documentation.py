@@ -1,5 +1,6 @@
 """What the documentation shows is what happens."""
 
+import argparse
 import contextlib
 import doctest
 import importlib
@@ -19,6 +20,7 @@ from exhaustive import few_of
 from matplotlib.text import Text
 
 import rodimpact
+from rodimpact.cli import COMMANDS
 
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -264,3 +266,18 @@ def test_no_annotation_in_help_is_longer_than_a_line_of_a_terminal():
         for parameter in signature.parameters.values():
             annotation = inspect.formatannotation(parameter.annotation)
             assert len(annotation) <= 80, (name, parameter.name)
+
+
+def test_the_manual_names_every_command_that_reads_a_case_file():
+    text = (ROOT / "docs" / "input.md").read_text(encoding="utf-8")
+    first_paragraph = text[text.index("A case file describes") : text.index("```toml")]
+    readers = []
+    for name in COMMANDS:
+        parser = argparse.ArgumentParser()
+        importlib.import_module(f"rodimpact.cli.{name}").add_arguments(parser)
+        if any(action.dest == "case" for action in parser._actions):
+            readers.append(name)
+
+    assert "bearing" in readers
+    for name in readers:
+        assert re.search(rf"`(rodimpact )?{name}`", first_paragraph), name

@@ -72,6 +72,11 @@ class Page:
         self._system = system
         self._widget: Any = None  # made when a notebook first shows the page
 
+    def __repr__(self) -> str:
+        kilobytes = len(self.html.encode()) / 1000
+        ways = "save(FILE.html) writes it, open() opens it in the browser"
+        return f"<Page: {kilobytes:.0f} kB; {ways}>"
+
     @property
     def system(self) -> System:
         """The system that the page shows.
@@ -220,10 +225,11 @@ def check_solvable(case: Case, tables: dict[str, Any]) -> None:
     or one whose run would hit a limit of the page. To find out, a collision by fronts
     is solved by the code of the page.
     """
-    check_options(case)
+    # Physics comes first: an option that it needs would be given in vain.
     path, physics = lacking(tables)
     if physics:
         raise invalid_argument(path, f"the page cannot solve {physics}; {REMEDY}")
+    check_options(case)
     if is_smooth(tables):  # the page itself tells when characteristics take too long
         return
     request = request_of(tables)

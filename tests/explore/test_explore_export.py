@@ -168,6 +168,28 @@ def test_a_case_that_the_page_cannot_solve_is_refused_before_anything_is_written
     assert list(tmp_path.iterdir()) == [case]
 
 
+def test_a_page_that_prints_says_how_it_is_seen():
+    rod = ri.Rod(0.4, area=1e-4, material=ri.materials.steel, velocity=1.0)
+
+    text = str(ri.explore(ri.System([rod, ri.Wall()])))
+
+    assert re.fullmatch(r"<Page: 1\d\d kB; save\(FILE\.html\) writes it, .*>", text)
+    assert "open() opens it in the browser" in text
+
+
+def test_physics_that_the_page_lacks_is_told_before_an_option_that_it_needs():
+    ram = ri.RigidMass(1000.0, velocity=3.0)
+    soil = ri.Soil(resistance=3e5, quake=2.5e-3, damping=0.2)
+    pile = ri.Rod(10.0, area=1e-2, material=ri.materials.steel, shaft=soil)
+    cushion = ri.Cushion(1e8, restitution=0.5)
+
+    with pytest.raises(ri.InvalidModel) as caught:
+        ri.explore(ri.System([ram, pile], contacts=[cushion]))
+
+    assert "solve.until" not in str(caught.value)
+    assert "the page cannot solve" in str(caught.value)
+
+
 def test_a_page_is_no_figure(case, tmp_path, capsys):
     assert main(["export", str(case), "-o", "p.pdf"]) == 2
 
