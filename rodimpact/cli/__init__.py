@@ -39,6 +39,23 @@ COMMANDS = {
 }
 
 
+NO_COMMANDS = {
+    "plot": "rodimpact run CASE.toml --plot FILE draws a case",
+    "units": "rodimpact help units lists the units",
+    "version": "rodimpact --version prints it",
+}
+"""Words that are taken for commands, with what does this."""
+NO_OPTIONS = {
+    ("rodimpact run", "--csv"): (
+        "--gauges FILE.csv writes strains over time, --json prints all numbers"
+    ),
+    ("rodimpact run", "--vary"): "rodimpact sweep solves a family",
+}
+"""Options that a command is thought to have, with what does this."""
+NUMBER = re.compile(r"[-+]?[0-9.]+(e[-+]?[0-9]+)?")
+"""A number without a unit among the arguments."""
+
+
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one command: print its result, or a message on what went wrong.
 
@@ -160,10 +177,8 @@ def _command_hint(command: str) -> str:
     """What is wrong with a missing or unknown command, and which one may be meant."""
     from ..hints import similar
 
-    if command == "plot":
-        return (
-            "unknown command 'plot'; rodimpact run CASE.toml --plot FILE draws a case"
-        )
+    if command in NO_COMMANDS:
+        return f"unknown command {command!r}; {NO_COMMANDS[command]}"
     meant = similar(command, COMMANDS)
     if meant is not None:
         return f"unknown command {command!r}; perhaps {meant} is meant"
@@ -184,6 +199,12 @@ class _Parser(argparse.ArgumentParser):
         """As argparse does, but an unknown word is answered by `_hint`."""
         parsed, unknown = self.parse_known_args(args, namespace)
         if unknown:
+            words = sys.argv[1:]
+            if args is not None:
+                words = list(args)
+            parted = _parted_number(words)
+            if parted:
+                self.error(f"the number {parted} is parted; write it in quotes")
             self.error(self._hint(unknown[0]))
         return parsed
 
@@ -204,7 +225,24 @@ class _Parser(argparse.ArgumentParser):
         for action in self._actions:
             options.extend(action.option_strings)
         option = word.partition("=")[0]
+        if (self.prog, option) in NO_OPTIONS:
+            return f"unknown option {option}; {NO_OPTIONS[self.prog, option]}"
         return f"unknown option {option}; {nearest(option, options)}"
+
+
+def _parted_number(words: list[str]) -> str:
+    """A number and its unit that are two words, such as "2 ms" in quotes; "" if none.
+
+    The shell parts them where the quotes are missing.
+    """
+    from ..units import DIMENSION_OF_UNIT
+
+    for i in range(len(words) - 1):
+        number = words[i]
+        unit = words[i + 1]
+        if NUMBER.fullmatch(number) and unit in DIMENSION_OF_UNIT:
+            return f'"{number} {unit}"'
+    return ""
 
 
 def _program_parser() -> argparse.ArgumentParser:

@@ -2,28 +2,41 @@
 
 import argparse
 
+from ..hints import nearest
 from ..materials import SOURCES, TABLE
+from ..model.frozen import invalid_argument
 from ..storage.tables import align, versioned_json
-from ..units import format_si
+from ..units import format_si, shown
 from .exit_status import DONE, CommandResult
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """The form of the answer."""
+    """The materials, and the form of the answer."""
+    parser.add_argument(
+        "names", nargs="*", metavar="NAME", help="materials to list; default all"
+    )
     parser.add_argument("--json", action="store_true", help="print JSON")
 
 
 def run(args: argparse.Namespace) -> CommandResult:
     """Table or JSON of the materials."""
+    names = list(TABLE)
+    if args.names:
+        names = args.names
+    for name in names:
+        if name not in TABLE:
+            message = f"there is no material {shown(name)}; {nearest(name, TABLE)}"
+            raise invalid_argument("NAME", message)
     if args.json:
-        return CommandResult(_json(), DONE)
-    return CommandResult(f"{_table()}\n\n{_sources()}", DONE)
+        return CommandResult(_json(names), DONE)
+    return CommandResult(f"{_table(names)}\n\n{_sources(names)}", DONE)
 
 
-def _json() -> str:
-    """JSON of all materials, with wave speeds and sources."""
+def _json(names: list[str]) -> str:
+    """JSON of materials, with wave speeds and sources."""
     entries = []
-    for name, material in TABLE.items():
+    for name in names:
+        material = TABLE[name]
         entry = dict(material.to_dict())
         entry["wave_speed"] = material.wave_speed
         entry["source"] = SOURCES[name]
@@ -31,10 +44,11 @@ def _json() -> str:
     return versioned_json(materials=entries)
 
 
-def _table() -> str:
-    """Table of all materials."""
+def _table(names: list[str]) -> str:
+    """Table of materials."""
     rows = [["material", "Young's modulus", "density", "bar speed", "Poisson ratio"]]
-    for name, material in TABLE.items():
+    for name in names:
+        material = TABLE[name]
         poisson_ratio = "-"
         if material.poisson_ratio is not None:
             poisson_ratio = f"{material.poisson_ratio:g}"
@@ -50,9 +64,9 @@ def _table() -> str:
     return align(rows)
 
 
-def _sources() -> str:
+def _sources(names: list[str]) -> str:
     """Lines with the source of each material."""
     lines = ["Sources"]
-    for name, source in SOURCES.items():
-        lines.append(f"{name}: {source}")
+    for name in names:
+        lines.append(f"{name}: {SOURCES[name]}")
     return "\n".join(lines)

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .. import materials
+from ..hints import listed
 from ..methods.registry import Options
 from ..model import GAP, SIDES, System
 from ..model.bodies import (
@@ -626,8 +627,10 @@ def check_grids(top: Table, system: System | None) -> None:
             continue
         if path.startswith(tuple(unread_tables)):
             continue  # the table may have this number
-        near = suggestion(path, reading.numbers)
-        top.note_mistake(path, f"is no number that can vary; {near}")
+        remedy = other_way_to_vary(path, top)
+        if remedy == "":
+            remedy = suggestion(path, reading.numbers)
+        top.note_mistake(path, f"is no number that can vary; {remedy}")
     if system is None or reading.mistakes:
         return  # a stand-in for an object with mistakes need not vary
     grids = reading.axes
@@ -642,3 +645,22 @@ def check_grids(top: Table, system: System | None) -> None:
         # An axis along which no number varies is shorter than its grid.
         if grid.varied is None or size != grid.varied.values.size:
             top.note_mistake(grid.path, "changes nothing in this row")
+
+
+def other_way_to_vary(path: str, top: Table) -> str:
+    """Remedy for a material that varies, or a number of another law; "" for others."""
+    if path.endswith(".material") and f"{path}.density" in top.reading.numbers:
+        return (
+            "write a case with each material, and solve each by `rodimpact run`, or "
+            f"vary {path}.youngs_modulus"
+        )
+    place = re.fullmatch(r"(contacts\.\d+)\.(\w+)", path)
+    if place is None or f"{place[1]}.restitution" not in top.reading.numbers:
+        return ""  # the contact is not there, or it is not rigid
+    laws = []
+    for law, kind in CONTACT_LAWS.items():
+        if place[2] in kind.fields:
+            laws.append(f'"{law}"')
+    if not laws:
+        return ""
+    return f"give {place[1]} a law that has it, one of {listed(laws)}"

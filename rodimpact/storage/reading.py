@@ -99,6 +99,8 @@ def open_regular(path: PathLike) -> BinaryIO:
         reason = str(error.strerror)
         if isinstance(error, FileNotFoundError):
             reason += _similar_file(path)
+        elif isinstance(error, IsADirectoryError):
+            reason += "; add the name of a file in it"
         raise type(error)(error.errno, reason, unquoted) from None
 
 

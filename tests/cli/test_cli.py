@@ -97,9 +97,27 @@ def test_help_lists_exit_statuses_and_commands_with_their_own_help(output_of):
         (["zzz"], "choose one of box, run"),
         (["run"], "the following arguments are required: CASE.toml"),
         (["verify", "--js"], "unknown option --js; perhaps '--json' is meant"),
+        (["version"], "unknown command 'version'; rodimpact --version prints it"),
+        (["units"], "unknown command 'units'; rodimpact help units lists the units"),
+        (
+            ["run", "case.toml", "--until", "2", "ms"],
+            'the number "2 ms" is parted; write it in quotes',
+        ),
+        (
+            ["run", "--until", "1e-3", "s", "case.toml"],
+            'the number "1e-3 s" is parted; write it in quotes',
+        ),
+        (
+            ["run", "case.toml", "--csv"],
+            "unknown option --csv; --gauges FILE.csv writes strains over time",
+        ),
+        (
+            ["materials", "iron"],
+            "NAME: there is no material 'iron'; use one of steel, aluminium",
+        ),
+        (["run", "."], ".: cannot be read: Is a directory; add the name of a file"),
         (["help", "cases"], "there is no text on 'cases'"),
         (["run", "missing.toml"], "missing.toml: cannot be read"),
-        (["run", "."], ".: cannot be read"),
         ([*SAMPLE, "-e", "1.5"], "-e: must lie in [-1, 1], got 1.5"),
         (
             [*SAMPLE, "-e", "1", "--m1", "-2"],
@@ -762,6 +780,22 @@ def test_a_wrong_solver_is_noticed(monkeypatch, method):
 
     monkeypatch.setattr(verify, "solve", wrong)
     assert sum(not check.passed for check in checks()) == 1
+
+
+def test_materials_are_listed_by_name(output_of):
+    text = output_of("materials", "brass", "oak")
+    data = json.loads(output_of("materials", "brass", "--json"))
+
+    names = [line.split()[0] for line in lines_with_units(text)]
+    assert names == ["brass", "oak"]
+    assert "brass: " in text
+    assert "steel" not in text
+    assert [material["name"] for material in data["materials"]] == ["brass"]
+
+
+def lines_with_units(text):
+    """Lines of a table of materials, which have a bar speed."""
+    return [line for line in text.splitlines() if " m/s" in line]
 
 
 def test_materials_prints_the_numbers_of_each(output_of):

@@ -47,7 +47,10 @@ def file_problem(path):
 
 def test_files_that_cannot_be_read_are_refused_with_the_reason(tmp_path):
     assert "cannot be read: No such file" in file_problem(tmp_path / "none.toml")
-    assert "cannot be read: Is a directory" in file_problem(tmp_path)
+    assert (
+        "cannot be read: Is a directory; add the name of a file in it"
+        in file_problem(tmp_path)
+    )
     assert "cannot be read: Not a directory" in file_problem(f"{__file__}/x.toml")
 
 

@@ -790,6 +790,24 @@ def test_ties_that_are_no_product_with_one_number_have_one_mistake(vary, path, s
     assert said in messages[path]
 
 
+@pytest.mark.parametrize(
+    ("path", "said"),
+    [
+        ("bodies.1.material", "write a case with each material, and solve each by"),
+        (
+            "contacts.0.stiffness",
+            'is no number that can vary; give contacts.0 a law that has it, one of "jo',
+        ),
+        ("contacts.0.stifness", "use one of contacts.0.gap, contacts.0.restitution"),
+        ("contacts.1.yield", "perhaps 'contacts.1.yield_force' is meant"),
+    ],
+)
+def test_what_cannot_vary_has_a_remedy_that_works(path, said):
+    text = PILE.replace('{law = "spring", stiffness = 5e8}', "{}")
+
+    assert said in problems(text, {path: "1,2"})[path]
+
+
 def test_a_variable_may_be_called_like_a_unit():
     vary = {"m": "1 m,2 m", "bodies.1.length": "m", "bodies.0.velocity": "1 m/s"}
 
