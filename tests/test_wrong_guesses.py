@@ -189,7 +189,7 @@ COMMANDS = [
     ("box --ratio 2", "must be above 0 and at most 1"),
     ("formula case.toml --symbols lenght", "perhaps 'length' is meant"),
     ("animate case.toml -o x.html", "must end in one of .gif, .mp4"),
-    ("materials steel", "leave it out: rodimpact materials takes options only"),
+    ("doctor steel", "leave it out: rodimpact doctor takes options only"),
     ("doctor --warmup", "perhaps '--warm' is meant"),
     ("--verison", "perhaps '--version' is meant"),
 ]

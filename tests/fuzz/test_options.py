@@ -95,8 +95,10 @@ LIKELY = {
     "--symbols": "bodies.0.length",
     "record": "record.csv",
     "topic": "case",
+    "names": "steel",
+    "FILE.npz": "x.npz",
 }
-"""Values by option or argument with which a command is likely to work."""
+"""Values by option, argument or kind of file with which a command is likely to work."""
 
 
 def command_line(rng):
@@ -128,6 +130,8 @@ def command_line(rng):
 
 def likely_values(option, name):
     """Values with which an option is likely to work: its choices, if it has some."""
+    if option.metavar in LIKELY:  # --save of a family is no case
+        return [LIKELY[option.metavar]]
     if name in LIKELY:
         return [LIKELY[name]]
     return list(option.choices or VALUES)
