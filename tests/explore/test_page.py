@@ -474,6 +474,57 @@ def test_no_control_lies_outside_the_width_of_the_screen(visit, width):
         assert outside == []
 
 
+@pytest.mark.parametrize("width", [961, 1121, 1300, 1366, 1440])
+def test_the_buttons_of_the_picture_end_with_it_whatever_its_colours_show(visit, width):
+    page = visit(viewport={"width": width, "height": 900})
+    for quantity in ("velocity", "stress"):
+        page.check(f"input[value={quantity}]")
+        page.wait_for_timeout(200)
+        stage = page.locator("#stage").bounding_box()
+        button = page.locator("#zoom-all").bounding_box()
+        right_edge = button["x"] + button["width"]
+        assert right_edge <= stage["x"] + stage["width"] + 1
+
+
+RECORD_LABELS = """() => {
+    window.labels = [];  // of the diagram: text, left and right end, and height
+    const { prototype } = CanvasRenderingContext2D;
+    const write = prototype.fillText;
+    prototype.fillText = function (text, ...rest) {
+        if (this.canvas.id === "diagram" && this.textAlign === "center") {
+            const { a: scale, e: x, f: y } = this.getTransform();
+            const half = (scale * this.measureText(text).width) / 2;
+            window.labels.push({ text, left: x - half, right: x + half, y });
+        }
+        write.call(this, text, ...rest);
+    };
+}"""
+
+
+def test_forces_on_their_axis_beside_the_picture_do_not_overprint(visit, solved):
+    """A peak of 918 N has five ticks, too many for labels of three digits."""
+    aluminium = ri.materials.aluminium
+    left = ri.Rod(0.3, area=1e-4, material=aluminium, velocity=1.0)
+    right = ri.Rod(0.8, area=2e-4, material=aluminium)
+    address = solved(ri.System([left, right]))
+    page = visit(address, viewport={"width": 1300, "height": 1000})
+
+    page.evaluate(RECORD_LABELS)
+    page.locator("#time").fill("300")
+    page.wait_for_function("window.labels.some(({ text }) => text === '800')")
+
+    labels = page.evaluate("window.labels")
+    height = [label["y"] for label in labels if label["text"] == "800"][-1]
+    row = {}  # labels in the row of the ticks, each once
+    for label in labels:
+        if label["y"] == height:
+            row[label["text"], round(label["left"])] = label
+    in_order = sorted(row.values(), key=lambda label: label["left"])
+    assert [label["text"] for label in in_order][-3:] == ["0", "400", "800"]
+    for label, neighbour in itertools.pairwise(in_order):
+        assert label["right"] < neighbour["left"]
+
+
 def test_every_control_has_a_name(visit):
     page = visit()
     unnamed = page.evaluate(f"""() => [...document.querySelectorAll("{CONTROLS}")]

@@ -333,10 +333,15 @@ function drawForces(pen, scene, frame, view, theme) {
     baseline: "top",
   };
   const { ticks, unit } = labelledTicks(low, high, 2, "N");
+  let rightmost = -Infinity; // right end of the labels so far
   for (const [value, label] of ticks) {
     const px = across(value);
+    const halfWidth = 0.3 * style.size * label.length;
     pen.segment([px, bottom], [px, bottom + TICK], theme.faint);
-    pen.text(px, bottom + 6, label, style);
+    if (px - halfWidth > rightmost + 0.3 * style.size) {
+      pen.text(px, bottom + 6, label, style);
+      rightmost = px + halfWidth;
+    }
   }
   const labelY = bottom + 1.5 * theme.size;
   pen.text((x + right) / 2, labelY, `force, ${unit}`, style);
