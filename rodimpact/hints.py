@@ -3,8 +3,8 @@
 `nearest` compares a wrong word with the names that exist. `explain_missing` lets the
 objects of a class answer a wrong attribute with such a hint, `explain_arguments` a
 function a wrong argument, `NamedItems` a dictionary a wrong key, `TupleOfParts` a tuple
-an attribute that its items have, and `missing_name` makes the error of a wrong name in
-a module.
+an attribute that its items have, or an index without an item, and `missing_name` makes
+the error of a wrong name in a module.
 """
 
 import difflib
@@ -81,6 +81,9 @@ SYNONYMS: dict[str, tuple[str, ...]] = {
     "speed": ("velocity", "wave_speed"),
     "stiffness": ("loading",),
     "t_end": ("until",),
+    "t_max": ("until",),
+    "tend": ("until",),
+    "tmax": ("until",),
     "threads": ("workers", "executor"),
     "time": ("times", "until", "t"),
     "tol": ("rtol",),
@@ -125,12 +128,34 @@ ELSEWHERE = {
     "export": "rodimpact.explore(system).save(path) writes the page",
     "plot": "functions of rodimpact.plot draw it, such as plot.overview, and "
     "plot.sweep for a family",
+    "Picture.save": "rodimpact.plot.save(picture, path) writes it to a file",
     "run": "rodimpact.solve(system) solves it",
+    "savefig": "rodimpact.plot.save(picture, path) writes a picture to a file",
+    "show": "rodimpact.plot.show(picture) shows a picture in a window",
     "simulate": "rodimpact.solve(system) solves it",
     "solve": "rodimpact.solve(system) solves it",
+    "Solution.to_csv": "gauges_to_csv(path, {name: solution.gauge(body, x)}) writes "
+    "strains over time, and save(path) the solution",
     "sweep": "rodimpact.sweep(system) solves a family",
 }
-"""What is said of attributes that an object has nowhere."""
+"""What is said of attributes that an object has nowhere.
+
+With a class before it, a name is one of this class only.
+"""
+DEFINED_MATERIAL = "give material=Material(name, youngs_modulus, density)"
+DERIVED_ARGUMENTS = {
+    "density": ("material", DEFINED_MATERIAL),
+    "radius": ("diameter", "give diameter, twice the radius"),
+    "youngs_modulus": ("material", DEFINED_MATERIAL),
+}
+"""Unknown arguments, the argument that takes what they mean, and how it does."""
+CALLED_INSTEAD = {
+    "explore": "; several bodies make one system, System([left, right])",
+    "Spring": "; SpringDashpot(stiffness, damping) has a damping, too",
+    "sweep": "; a number that varies is an array in the system, such as "
+    "Rod([0.1, 0.2], ...)",
+}
+"""What is said of arguments that these functions and classes do not take."""
 
 
 def nearest(word: Any, choices: Collection[str], head: str = "") -> str:
@@ -319,8 +344,9 @@ def _attribute_hint(owner: Any, name: str) -> str:
     itself in a part, a synonym, a name that is spelt alike. Synonyms and such names are
     sought in the object before its parts. Else attributes of the object are listed.
     """
-    if name in ELSEWHERE:
-        return ELSEWHERE[name]
+    for key in (f"{type(owner).__name__}.{name}", name):
+        if key in ELSEWHERE:
+            return ELSEWHERE[key]
     own_names = _public_names(owner)
     paths: dict[str, str] = {}  # of attributes of the parts, the uppermost first
     for path, part in _parts(owner):
@@ -405,6 +431,16 @@ class TupleOfParts(tuple[T, ...]):
                 message += f"; ask one of its items, such as [{i}].{name}"
                 break
         raise AttributeError(message, name=name)
+
+    def __getitem__(self, index: Any) -> Any:
+        """The item, or items; IndexError tells which items there are."""
+        try:
+            return super().__getitem__(index)
+        except IndexError:
+            there = "there are no items"
+            if self:
+                there = f"the items are [0] to [{len(self) - 1}]"
+            raise IndexError(f"there is no [{index}]: {there}") from None
 
 
 class UndefinedResult(ValueError, AttributeError):
@@ -533,14 +569,15 @@ def _refusal(
     for keyword in keywords:
         if keyword not in parameters:
             hint = nearest(keyword, parameters)
-            if keyword == "radius" and "diameter" in parameters:
-                hint = "give diameter, twice the radius"
-            if similar(keyword, parameters) is None:
+            meant, remedy = DERIVED_ARGUMENTS.get(keyword, ("", ""))
+            if meant in parameters:
+                hint = remedy
+            elif similar(keyword, parameters) is None:
                 hint += instead
             return f"{called}() has no argument {keyword!r}; {hint}"
     excess = _excess(parameters, len(args))
     if excess:
-        return f"{called}() takes {excess}"
+        return f"{called}() takes {excess}{CALLED_INSTEAD.get(called, '')}"
     missing = []
     for i, (name, parameter) in enumerate(parameters.items()):
         is_given = i < len(args) or name in keywords
@@ -579,7 +616,7 @@ class _Called(NamedTuple):
     """What a call is called in a message."""
 
     name: str  # of the class, the method or the function
-    instead: str  # text on the other constructors of a class; "" if there are none
+    instead: str  # text on what takes other arguments; "" if there is none
 
 
 def _called(function: Callable[..., Any], args: tuple[Any, ...]) -> _Called:
@@ -587,16 +624,17 @@ def _called(function: Callable[..., Any], args: tuple[Any, ...]) -> _Called:
 
     A method is named with the class of its object, a constructor by its class alone,
     any other function by its own name. With a constructor comes the text on other
-    constructors of the class, else "".
+    constructors of the class. Otherwise the text is that of `CALLED_INSTEAD`, or "".
     """
     qualified = function.__qualname__
     if not args or "." not in qualified or "<locals>" in qualified:
-        return _Called(qualified, "")
+        return _Called(qualified, CALLED_INSTEAD.get(qualified, ""))
     owner = args[0]  # `self`, or the class of a class method
     if not isinstance(owner, type):
         owner = type(owner)
     if function.__name__ == "__init__":
-        return _Called(owner.__name__, _other_constructors(owner))
+        name = owner.__name__
+        return _Called(name, _other_constructors(owner) + CALLED_INSTEAD.get(name, ""))
     return _Called(f"{owner.__name__}.{function.__name__}", "")
 
 

@@ -84,6 +84,13 @@ NAMES = [
     ("ri.gradient(system, 'e', ['bodies.0.length'])", "perhaps 'restitution' is"),
     ("ri.gradient(stepped, wrt=['bodies.0.area'])", "of bodies.0.segments.0.area, bod"),
     ("solution.contacts[0].peak_force_time", "b.times[b.force.argmax()]"),
+    ("ri.plot.energy(solution).savefig('a.png')", "plot.save(picture, path) writes"),
+    ("ri.plot.energy(solution).save('a.png')", "plot.save(picture, path) writes it"),
+    ("ri.plot.energy(solution).show()", "rodimpact.plot.show(picture) shows"),
+    ("ri.plot(solution)", "plot.overview(solution) draws a solution"),
+    ("solution.contacts[1]", "there is no [1]: the items are [0] to [0]"),
+    ("system.bodies[-3]", "there is no [-3]: the items are [0] to [1]"),
+    ("solution.to_csv('a.csv')", "gauges_to_csv(path, {name: "),
 ]
 UNITS = [
     ("ri.Rod('400 mm', area=1e-4, material=steel)", "units.parse reads text"),
@@ -139,6 +146,13 @@ KEYWORDS = [
     ("rod.replace(len=1)", "perhaps 'length' is meant"),
     ("setattr(rod, 'length', 3)", "make a new one with another length"),
     ("ri.format_case(system, 'x.toml')", "takes only case by position"),
+    ("ri.solve(system, tmax=1e-3)", "perhaps 'until' is meant"),
+    ("ri.sweep(system, vary={'x': [1, 2]})", "is an array in the system, such as Rod"),
+    ("ri.sweep(system, length=[1, 2])", "is an array in the system, such as Rod"),
+    ("ri.Rod(0.4, area=1e-4, density=7850)", "material=Material(name, youngs_modulus"),
+    ("ri.Spring(1e6, 100)", "SpringDashpot(stiffness, damping) has a damping, too"),
+    ("ri.Spring(1e6, loss=100)", "SpringDashpot(stiffness, damping) has a damping, to"),
+    ("ri.explore(rod, rod)", "make one system, System([left, right])"),
 ]
 SHAPES = [
     ("ri.System(rod, rod)", "must be a list of at least one rod"),
@@ -147,6 +161,7 @@ SHAPES = [
     ("ri.System([rod, rod], gaps=1e-3)", "one entry for each neighbouring pair"),
     ("ri.System([rod, rod], contacts=ri.Hertz(1e9))", "must be a list with one entry"),
     ("ri.System([rod, rod], contacts=[ri.Hertz])", "must be a contact law itself"),
+    ("ri.System([rod, rod], contacts='hertz')", "such as [Hertz(stiffness)], got"),
     ("ri.Rod([1, 2], area=[1, 2, 3], material=steel)", "area has shape (3,)"),
     ("ri.solve(rod, rod)", "must be a System, such as System([left, right])"),
     ("ri.solve([rod, rod])", "must be a System, such as System([left, right])"),

@@ -473,6 +473,8 @@ def _one_per_pair(
         f"must be a list with one entry for each neighbouring pair, {n_pairs} in all"
     )
     if not isinstance(items, list | tuple):
+        if name == "contacts" and isinstance(items, str):
+            message += ", such as [Hertz(stiffness)]"
         add_problem(problems, name, message, items)
         return ()
     if len(items) != n_pairs:

@@ -17,7 +17,9 @@ numbers, `labels` words and their room, `panels` figures and Axes, `style` colou
 'time t (µs)'
 """
 
-from typing import TYPE_CHECKING
+import sys
+from types import ModuleType
+from typing import TYPE_CHECKING, Never
 
 from ..hints import missing_name
 from .atlases import atlas
@@ -56,6 +58,20 @@ __all__ = [
     "spacetime",
     "sweep",
 ]
+
+
+class _Functions(ModuleType):
+    """The kind of this module, which answers a call by the functions to call."""
+
+    def __call__(self, *_: object, **__: object) -> Never:
+        """Raise TypeError that names the functions to call."""
+        raise TypeError(
+            "rodimpact.plot is a module: plot.overview(solution) draws a solution, "
+            "plot.sweep(family) a family, and help(rodimpact.plot) lists the others"
+        )
+
+
+sys.modules[__name__].__class__ = _Functions
 
 
 if not TYPE_CHECKING:  # a type checker must not take every name for granted

@@ -217,7 +217,10 @@ def parse_case(
         reason, _, _ = str(error).partition("; use sys.")
         message = f"is not valid TOML: {reason}{_hint_at_quotes(text, reason)}"
         if not source.endswith(".toml"):
-            message += "; a case file is TOML (a record is read by `rodimpact compare`)"
+            message += (
+                "; a case file is TOML (a record is read by `rodimpact compare`, a "
+                "table of a sweep by pandas.read_csv or a spreadsheet)"
+            )
         raise invalid_argument(source, message) from None
     return case_from(data, source, vary)
 
