@@ -39,7 +39,7 @@ STRAIN_POINTS = 32
 KINDS = [
     "moving as a whole",
     "vibration, kinetic part",
-    "strain",
+    "strain energy",
     "total",
     "in compliant contacts",
 ]

@@ -18,7 +18,7 @@ MAX_LISTED_EPISODES = 12
 ENERGY_LABELS = {
     "kinetic": "moving as a whole",
     "vibrational_kinetic": "vibration, kinetic part",
-    "strain": "strain",
+    "strain": "strain energy",
     "inner": "vibration",
     "contact": "in compliant contacts",
     "dissipated": "lost in contacts",

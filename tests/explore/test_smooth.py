@@ -310,7 +310,7 @@ def check_forces_and_gaps(contacts, solution):
 KIND_OF_ENERGY = {
     "moving as a whole": "kinetic",
     "vibration, kinetic part": "vibrational_kinetic",
-    "strain": "strain",
+    "strain energy": "strain",
     "total": "total",
     "in compliant contacts": "contact",
 }

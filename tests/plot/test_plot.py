@@ -595,7 +595,7 @@ def test_energy_bands_add_up_to_the_initial_energy(solved, name, label):
     assert list(total.values()) == pytest.approx([initial] * len(total))
     assert motion[last_time] / initial == pytest.approx(0.4, rel=1e-6)
     assert drawn.work is None
-    names = ["moving as a whole", "vibration, kinetic part", "strain"]
+    names = ["moving as a whole", "vibration, kinetic part", "strain energy"]
     assert texts_of(drawn.labels) == names
     assert drawn.ax.get_ylabel() == label
 
