@@ -8,6 +8,7 @@ figures and a page that shows them, index.html, go to a directory of their own.
 
 import argparse
 import math
+import re
 from collections.abc import Iterator, Sequence
 from html import escape
 from pathlib import Path
@@ -49,8 +50,8 @@ HEAD = """\
 <!doctype html>
 <html lang="en"><meta charset="utf-8"><title>%s</title>
 <style>
-body { max-width: 64rem; margin: 2rem auto; font-family: sans-serif; \
-background: %s; color: %s; }
+body { max-width: 64rem; margin: 2rem auto; padding: 0 1.5rem; \
+font-family: sans-serif; background: %s; color: %s; }
 img { max-width: min(100%%, 44rem); }
 pre { font-size: 0.95rem; line-height: 1.4; }
 a { color: inherit; }
@@ -396,4 +397,13 @@ def _block_as_html(block: str) -> str:
     """A paragraph, or a table, which has columns: two spaces side by side."""
     if "  " in block:
         return as_html(block)
-    return f"<p>{escape(with_micro_sign(block))}</p>"
+    return f"<p>{escape(_with_symbols(block))}</p>"
+
+
+def _with_symbols(text: str) -> str:
+    """A text for a page, with μ for the reduced mass, and cm² and e² for cm^2 and e^2.
+
+    A terminal may lack these signs.
+    """
+    with_powers = with_micro_sign(text).replace("^2", "²")
+    return re.sub(r"\bmu\b", "\N{GREEK SMALL LETTER MU}", with_powers)

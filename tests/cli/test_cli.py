@@ -983,6 +983,16 @@ def test_the_page_of_the_box_shows_signs_of_html_as_they_are():
     assert "l2 &gt; l1" in page
 
 
+def test_the_page_of_the_box_has_a_margin_and_signs_of_mathematics(box_text):
+    page = box_page([f"Title\n\n{box_text}"], [[]])
+    style = page.partition("</style>")[0]
+
+    assert "padding: 0 1.5rem" in style
+    assert "area 1 cm²" in page
+    assert "(1 - e²) μ v²/2" in page
+    assert "^" not in page
+
+
 def test_the_page_of_the_box_has_paragraphs_and_tables():
     page = box_page(["Title\n\nWords of 385 us.\n\na  1\nb  2"], [[]])
     assert "<p>Words of 385 µs.</p>" in page
