@@ -46,6 +46,7 @@ from .panels import (
 from .scales import MINUS, NEGLIGIBLE_RTOL, Scale, engineering, scale_of
 from .style import COMPUTED, RISING, SMALL, centred, colours, styled
 
+MAX_TICKED_NUMBERS = 5  # numbers along a map up to which each has a tick
 MAX_MARKED_POINTS = 40  # points of a curve up to which each has a mark
 CLOSED_FORM = "closed form"
 """Name of the curve of a closed form in a legend."""
@@ -400,8 +401,9 @@ def _draw_map(
     """
     palette, norm = _map_colours(shown)
     cells = draw_cells(ax, [axis.edges for axis in axes], shown.values, palette, norm)
-    format_family_axis(ax.xaxis, axes[0])
-    format_family_axis(ax.yaxis, axes[1])
+    for axis, family in zip((ax.xaxis, ax.yaxis), axes, strict=True):
+        format_family_axis(axis, family)
+        _set_ticks_at_few_numbers(axis, family)
     contours = None
     span = shown.high - shown.low
     varies = span > NEGLIGIBLE_RTOL * max(-shown.low, shown.high)
@@ -436,6 +438,19 @@ def _draw_map(
             picture.labels = label_contours(ax, contours, lines)
 
     return finish(Draft(picture, write_words))
+
+
+def _set_ticks_at_few_numbers(axis: Axis, family: FamilyAxis) -> None:
+    """Put the ticks of a map at its numbers if they are few and lie far apart.
+
+    The cells of few numbers reach far beyond them. A logarithmic axis keeps its ticks.
+    """
+    numbers = family.numbers
+    if family.is_log or numbers.size > MAX_TICKED_NUMBERS:
+        return
+    spacings = np.abs(np.diff(numbers))
+    if np.all(spacings * MAX_TICKED_NUMBERS >= np.ptp(numbers)):
+        axis.set_major_locator(ticker.FixedLocator(numbers.tolist()))
 
 
 class _MapColours(NamedTuple):

@@ -421,6 +421,28 @@ def test_a_map_has_a_cell_for_each_collision(swept, map_picture):
     assert map_picture.cells.get_rasterized()
 
 
+def test_a_map_of_few_collisions_has_a_tick_at_each_number():
+    lengths = [0.25, 0.5, 0.75]  # m
+    velocities = [1.0, 2.0, 3.0]  # m/s
+    family = ri.System([rod(column(lengths), np.array(velocities)), rod()])
+
+    picture = plot.sweep(ri.sweep(family), quantity="restitution")
+
+    assert picture.ax.get_xticks().tolist() == lengths
+    assert picture.ax.get_yticks().tolist() == velocities
+
+
+def test_a_map_of_many_collisions_or_of_neighbours_keeps_round_ticks():
+    lengths = [0.31, 0.32, 0.93]  # m
+    velocities = np.linspace(0.91, 4.03, 7)  # m/s
+    family = ri.System([rod(column(lengths), velocities), rod()])
+
+    picture = plot.sweep(ri.sweep(family), quantity="restitution")
+
+    assert 0.31 not in picture.ax.get_xticks()
+    assert 0.91 not in picture.ax.get_yticks()
+
+
 def test_a_map_has_labels_with_units(map_picture):
     assert map_picture.ax.get_xscale() == "log"
     assert map_picture.ax.get_yscale() == "log"
