@@ -186,9 +186,14 @@ def round_trips(solution: Solution) -> dict[float, str]:
     """Names, 2 l1/c, of times, s, at which a force ends or a gap opens.
 
     They are times after whole round trips of a wave in one of the two rods beside the
-    contact. Contacts that do not press from t = 0 on have none.
+    contact. In a row of more than two rods only the first round trip counts: later
+    waves have crossed other rods too, and lengths that add up would be named by chance.
+    Contacts that do not press from t = 0 on have none.
     """
     system = solution.system
+    max_trips = MAX_NAMED_TRIPS
+    if system.kinds.count("rod") > 2:
+        max_trips = 1
     uniform = {
         i: body
         for i, body in enumerate(system.bodies)
@@ -214,6 +219,6 @@ def round_trips(solution: Solution) -> dict[float, str]:
             speed = "c"
             if len(materials) > 1:
                 speed = f"c{length[1:]}"
-            if count <= MAX_NAMED_TRIPS:
+            if count <= max_trips:
                 names.setdefault(t, f"{2 * count} {length}/{speed}")
     return names

@@ -441,6 +441,16 @@ def test_round_trips_stand_at_the_axis_of_times(solved):
         assert "c" not in name
 
 
+def test_times_of_a_longer_row_are_not_named_by_lengths_that_add_up():
+    """Three rods leave a wall after 2 (l1 + l2 + l3)/c, which is 4 l3/c by chance."""
+    rods = [rod(0.2, 1.0), rod(0.3, 1.0), rod(0.5, 1.0)]
+    solution = ri.solve(ri.System([*rods, ri.Wall()]))
+    opening = solution.contacts[-1].episodes[0].opening
+
+    assert opening == pytest.approx(4 * 0.5 / C)
+    assert opening not in round_trips(solution)
+
+
 def test_round_trips_of_two_materials_have_two_speeds():
     second = rod(material=ri.materials.aluminium)
     solution = ri.solve(ri.System([rod(0.4, 1.0), second]))
