@@ -24,7 +24,7 @@ COMMANDS = {
     "box": "replay the textbook's collisions of elastic rods, in words and figures",
     "run": "solve a case file",
     "sweep": "solve a family of collisions, in which numbers of a case vary",
-    "bearing": "draw the bearing graph of a pile: blows against resistance",
+    "bearing": "compute the bearing graph of a pile: blows against resistance",
     "compare": "compare a measured record with the gauges of a case",
     "reduce": "read stress and strain of a specimen off the gauges of two bars",
     "explore": "play with a collision in the browser",

@@ -2,9 +2,9 @@
 
 rodimpact animate CASE.toml -o collision.gif
 
-FILE ends in .gif or .mp4, which needs the program ffmpeg. `rodimpact export` makes a
-page with a play button. [output] of the case is for `rodimpact run`. The exit status is
-3 if the run stopped early; the picture then ends there.
+FILE ends in .gif, or in .mp4, for which ffmpeg is needed. `rodimpact export` makes a
+page with a play button. [output] of the case is ignored here. The exit status is 3 if
+the run stopped early; the picture then ends there.
 """
 
 import argparse

@@ -1,4 +1,4 @@
-"""Draw the bearing graph of a pile: blows for a metre of set against the resistance.
+"""Compute the bearing graph of a pile: blows for a metre of set, by resistance.
 
 rodimpact bearing CASE.toml --resistance 200kN:1000kN:5
     --resistance "300 kN,500 kN" --shaft-share 0.3
@@ -8,7 +8,7 @@ below its toe, whose contact is the law "smith-toe". Each resistance is shared b
 shaft and toe, as in the case or by --shaft-share; quakes and dampings stay. One blow is
 solved for each, until no soil can yield any more; the ram is caught after its first
 bounce. Where gravity acts, the pile is at rest before. Results are in SI units, also
-where the case has others. [solve] and [output] of the case are for other commands. Exit
+where the case has others. [solve] and [output] of the case are ignored here. Exit
 status 3 if a blow did not come to its end; the table says why.
 """
 

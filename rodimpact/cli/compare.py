@@ -1,10 +1,10 @@
-"""Compare a measured record with the gauges of a case: misfit, shift, gain, pulses.
+"""Compare a measured record with the gauges of a case: misfit, shift, factor, pulses.
 
 rodimpact compare CASE.toml RECORD.csv --gauge incident=1:0.5 --start -20us --stop 120us
 
 A gauge bears the name of its channel. The computed strain is shifted in time and
-multiplied by a gain, so that it fits the record best; --shift and --scale fix these two
-numbers. Pulses are timed after that. The exit status is 3 if the run stopped early.
+multiplied by a factor, so that it fits the record best; --shift and --scale fix these
+two numbers. Pulses are timed after that. The exit status is 3 if the run stopped early.
 """
 
 import argparse
@@ -66,7 +66,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "fix the shift of the computed strain; positive is later",
     )
     add_number(
-        compared, "--scale", "dimensionless", "fix the gain of the computed strain"
+        compared, "--scale", "dimensionless", "fix the factor of the computed strain"
     )
     add_number(
         compared,
@@ -224,7 +224,7 @@ def _pulse_rows(name: str, comparison: Comparison) -> Iterator[list[str]]:
 
 
 def _misfit_rows(comparison: Comparison) -> list[list[str]]:
-    """Rows on misfit, shift and gain of a prediction."""
+    """Rows on misfit, shift and factor of a prediction."""
     misfit = comparison.misfit
     shift = format_si(misfit.shift, "s")
     if misfit.at_limit:
@@ -233,7 +233,7 @@ def _misfit_rows(comparison: Comparison) -> list[list[str]]:
     return [
         ["misfit, root mean square over plateau", f"{100 * misfit.rms:.4g} %"],
         ["shift of the prediction", shift],
-        ["gain of the prediction", f"{misfit.scale:.6g} {unit}".rstrip()],
+        ["factor of the prediction", f"{misfit.scale:.6g} {unit}".rstrip()],
     ]
 
 

@@ -15,8 +15,8 @@ STATUSES = {
         "a mistake in the call or in the case, or a file that exists, without --force"
     ),
     INCOMPLETE: (
-        "a run stopped early; what is known is printed. With --strict: the verdict has "
-        "a doubt"
+        "a run stopped early; what is known is printed. Or the verdict has a doubt "
+        "(`rodimpact reduce --strict`)"
     ),
     UNVERIFIED: "verification failed",
     INTERRUPTED: "interrupted by Ctrl-C",

@@ -3,7 +3,7 @@
 import argparse
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from .. import Bridge, Signal, read_signals
 from ..hints import nearest
@@ -12,13 +12,26 @@ from .arguments import Arguments, add_number
 from .gauge_options import add_gauge_option
 from .messages import option_of
 
+
+class BridgeNumber(NamedTuple):
+    """A number of a bridge, as an option takes it."""
+
+    dimension: str
+    meaning: str
+
+
 BRIDGE_NUMBERS = {
-    "gauge_factor": "dimensionless",
-    "excitation": "voltage",
-    "gain": "dimensionless",
-    "poisson_ratio": "dimensionless",
+    "gauge_factor": BridgeNumber("dimensionless", "gauge factor of the strain gauges"),
+    "excitation": BridgeNumber("voltage", "voltage that feeds the bridge"),
+    "gain": BridgeNumber(
+        "dimensionless",
+        "gain of the amplifier, negative if it inverts the signal; default 1",
+    ),
+    "poisson_ratio": BridgeNumber(
+        "dimensionless", "Poisson's ratio of the bar, if gauges lie across it"
+    ),
 }
-"""Numbers of a bridge, with their dimensions."""
+"""Numbers of a bridge, by the names of its arguments."""
 
 
 def add_case_and_record(parser: argparse.ArgumentParser) -> None:
@@ -60,9 +73,13 @@ def add_record_options(parser: argparse.ArgumentParser) -> None:
         help="unit of all channels, or of one",
     )
     bridge = parser.add_argument_group("strain from the volts of a bridge")
-    bridge.add_argument("--bridge", choices=tuple(GAUGES_ALONG))
-    for name, dimension in BRIDGE_NUMBERS.items():
-        add_number(bridge, option_of(name), dimension, "")
+    bridge.add_argument(
+        "--bridge",
+        choices=tuple(GAUGES_ALONG),
+        help="kind of the bridge; needs --gauge-factor and --excitation",
+    )
+    for name, number in BRIDGE_NUMBERS.items():
+        add_number(bridge, option_of(name), number.dimension, number.meaning)
 
 
 def read_record(args: Arguments, wanted: Iterable[str]) -> dict[str, Signal]:

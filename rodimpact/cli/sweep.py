@@ -4,15 +4,15 @@ rodimpact sweep CASE.toml --vary bodies.0.length=0.05:1:200
     --vary "contacts.0.gap=0,1 um,10 um"
 
 A grid is start:stop:count, start:stop:count:log for equal ratios, or a list. A number
-may have a unit. The first --vary is the first axis. A number may be tied to another one
-that varies, or to a variable, by factors whose units give its own; it has no axis:
+may have a unit. The first --vary is the first axis. PATH=0.5*OTHER makes a number
+follow another one, or a name of your own such as R, and adds no axis. The units of the
+factors must give the unit of the number:
     --vary R=200kN:1000kN:5 --vary "contacts.1.yield_force=0.5*R"
     --vary "contacts.1.stiffness=0.5*R/2.5mm"
 
-Options of this command go before those in [solve] of the case. If no end is given, each
-collision runs until it is proved to be over. [output] of the case is for `rodimpact
-run`. The exit status is 3 if some collisions stopped early; the status of each says
-why.
+Options of this command override those in [solve] of the case. If no end is given, each
+collision runs until it is proved to be over. [output] of the case is ignored here. The
+exit status is 3 if some collisions stopped early; the status of each says why.
 """
 
 import argparse
@@ -42,7 +42,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         help=f"a number and its values, {EXAMPLE}; give --vary once for each axis. Or "
-        "a number that is tied to another one, PATH=FACTOR*OTHER",
+        "a number that follows another one, PATH=FACTOR*OTHER",
     )
     add_number(
         parser, "--workers", "", "number of threads; default: one for each processor"

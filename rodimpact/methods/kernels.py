@@ -193,9 +193,7 @@ def _tell(reason: str) -> None:
         message = f"{reason}; long runs go in plain Python, some fifty times slower"
         warnings.warn(message, NoCompiler, stacklevel=2)
     elif is_watched():
-        write_message(
-            "compiling once, for this and all later runs; up to half a minute"
-        )
+        write_message("compiling once, for this and all later runs; up to a minute")
 
 
 if hasattr(os, "register_at_fork"):

@@ -1,5 +1,6 @@
 """The command line: printed texts, files and exit statuses."""
 
+import argparse
 import json
 import math
 import os
@@ -7,6 +8,7 @@ import re
 import signal
 import subprocess
 import sys
+from importlib import import_module
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -87,6 +89,14 @@ def test_help_lists_exit_statuses_and_commands_with_their_own_help(output_of):
     for command in COMMANDS:
         assert f"\n  {command} " in text
         assert f"usage: rodimpact {command}" in output_of(command, "--help")
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_help_of_a_command_explains_each_option_and_argument(command):
+    parser = argparse.ArgumentParser()
+    import_module(f"rodimpact.cli.{command}").add_arguments(parser)
+
+    assert [action.dest for action in parser._actions if not action.help] == []
 
 
 @pytest.mark.parametrize(

@@ -111,7 +111,7 @@ def test_the_table_names_its_numbers(compared):
     for words in ("measured", "predicted", "pulse starts", "misfit, root mean"):
         assert words in text
     assert "shift of" in text
-    assert "gain" in text
+    assert "factor of the prediction" in text
 
 
 def test_a_bridge_makes_strain_and_fixed_numbers_stay(channels):
