@@ -8,6 +8,7 @@ from exhaustive import few_of
 from validation_cases import FOLDER, validation_module
 
 table = validation_module("table")
+program = validation_module("__main__")
 CASES = table.cases()
 LONG = (
     "agreement",
@@ -108,6 +109,73 @@ def test_every_number_of_a_case_is_within_its_bound_and_as_written(case, written
     for row, line in zip(rows, written[case], strict=True):
         assert row.holds, row
         assert_written(row, line)
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    """An empty folder to which the program writes, with two cases of one number each.
+
+    The number of "good" is within its bound, that of "bad" is not.
+    """
+    numbers = {"bad": 2.0, "good": 1.0}
+
+    def run(case):
+        return [table.Row(case, "quantity", "source", 1.0, numbers[case], 0.1)]
+
+    monkeypatch.setattr(program, "cases", lambda: list(numbers))
+    monkeypatch.setattr(program, "run", run)
+    monkeypatch.setattr(program, "FOLDER", tmp_path)
+    monkeypatch.setattr(program, "PAGES", tmp_path)
+    monkeypatch.setattr(program, "verdicts", lambda rows_by_case: "verdicts")
+    monkeypatch.setattr(program, "page", lambda case, rows: f"page of {case}")
+    return tmp_path
+
+
+def test_some_cases_are_run_alone_with_a_line_each_and_write_no_page(folder, capsys):
+    program.main(["good"])
+
+    printed = capsys.readouterr()
+    assert printed.out.startswith("1 numbers within their bounds; pages are written")
+    assert re.fullmatch(r"good: 1 numbers, pass, \d+\.\d s\n", printed.err)
+    assert list(folder.iterdir()) == []
+
+
+@pytest.mark.parametrize("arguments", [[], ["bad"]])
+def test_a_broken_bound_is_told_and_no_page_is_written(folder, capsys, arguments):
+    with pytest.raises(SystemExit, match=r"1 of \d numbers break their bounds"):
+        program.main(arguments)
+
+    error = capsys.readouterr().err
+    assert "bad: quantity: expected 1.0, got 2.0, 1 apart, more than 0.1\n" in error
+    assert "bad: 1 numbers, fail, " in error
+    assert list(folder.iterdir()) == []
+
+
+def test_all_cases_write_the_pages(folder, monkeypatch):
+    monkeypatch.setattr(program, "cases", lambda: ["good"])
+
+    program.main([])
+
+    texts = {path.name: path.read_text("utf-8") for path in folder.iterdir()}
+    assert texts == {"README.md": "verdicts", "good.md": "page of good"}
+
+
+@pytest.mark.parametrize(
+    ("argument", "status", "words"),
+    [
+        ("--help", 0, "cases: bad, good"),
+        ("goood", 2, "there is no case 'goood'; perhaps 'good' is meant"),
+    ],
+)
+def test_help_and_an_unknown_case_run_nothing(folder, capsys, argument, status, words):
+    with pytest.raises(SystemExit) as stop:
+        program.main([argument])
+
+    assert stop.value.code == status
+    printed = capsys.readouterr()
+    assert words in printed.out + printed.err
+    assert "pass" not in printed.err
+    assert list(folder.iterdir()) == []
 
 
 def test_a_row_holds_within_its_bound_only():
