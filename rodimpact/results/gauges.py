@@ -135,7 +135,8 @@ class Gauge:
         interval : float, optional
             Time between samples, s; by default a 10 000th of the record.
         name : str
-            Name of the signal.
+            Name of the signal, which figures, tables and files show; by default such as
+            "strain of rod 2 at 0.5 m".
 
         Raises
         ------
@@ -160,6 +161,8 @@ class Gauge:
         for rows in _blocks(sampling.sample_count):
             samples.append(self._spline_means(step / self.tick, rows))
         times = step * np.arange(sampling.sample_count)
+        if name == "":
+            name = f"strain of {self.name} at {self.x:g} m"
         return Signal(np.concatenate(samples), times, name=name)
 
     def _spline_means(self, step: float, rows: Ints) -> Floats:
