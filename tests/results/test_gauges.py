@@ -268,6 +268,16 @@ def test_a_signal_is_the_mean_under_a_spline(options):
         assert mean == pytest.approx(value, abs=2e-8)
 
 
+def test_a_signal_says_that_it_is_strain_and_where_unless_it_gets_a_name(bars):
+    record = bars.gauge(2, 0.5)
+
+    assert record.signal().name == "strain of rod 3 at 0.5 m"
+    assert record.signal(name="transmitted").name == "transmitted"
+    pytest.importorskip("xarray")
+    attributes = record.signal().to_xarray().attrs
+    assert attributes == {"long_name": "strain of rod 3 at 0.5 m", "units": "1"}
+
+
 def test_an_interval_longer_than_the_record_is_refused():
     record = record_of_struck_rod(until=2e-4)
     assert len(record.signal()) == 10_001  # by default 10,000 intervals
