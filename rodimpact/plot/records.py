@@ -32,6 +32,8 @@ from .style import SMALL, colours, styled
 
 RESIDUAL_RANGE = 1.9  # length of the axis of the residual, in largest residuals
 BAND_ALPHA = 0.25
+MIN_SEEN_BAND_RATIO = 0.01
+"""Width of a band, over the range of the curves, below which lines hide it."""
 
 
 @styled
@@ -110,7 +112,11 @@ def comparison(
     area = None
     if half_width is not None:
         area = _fill_band(upper, x, model * unit.factor, half_width * unit.factor)
-        area.set_label("its band")
+        name_of_band = "its band"
+        widest = 2 * half_width.max()
+        if widest < MIN_SEEN_BAND_RATIO * (np.ptp(values) + widest):
+            name_of_band = "its band, narrower than the line"
+        area.set_label(name_of_band)
         _fill_band(lower, x, 0.0 * x, half_width * percent)
     measured_line = _draw_line(
         upper, x, values * unit.factor, color=colours().series[0], label="measured"
@@ -278,9 +284,9 @@ def side_by_side(count: int) -> list[tuple[Axes, Axes]]:
 def reduction(curve: Reduction, ax: Sequence[Axes] | None = None) -> Picture:
     """Draw stress over strain of a specimen up to the largest; below, the strain rate.
 
-    The stress from the transmitted wave has an error band. Where the stress from the
-    incident and the reflected wave differs from it, the forces on the two faces are not
-    yet equal.
+    Stress and strain are nominal, and positive in compression. The stress from the
+    transmitted wave has an error band. Where the stress from the incident and the
+    reflected wave differs from it, the forces on the two faces are not yet equal.
 
     Parameters
     ----------
@@ -323,7 +329,8 @@ def reduction(curve: Reduction, ax: Sequence[Axes] | None = None) -> Picture:
     strain = 100 * curve.strain[loading]
     stress = curve.stress[loading]
     half_width = curve.stress_band[loading]
-    unit = engineering("stress", largest_of(stress), "Pa")
+    two_wave_stress = curve.two_wave_stress[loading]
+    unit = engineering("nominal stress", largest_of(stress), "Pa")
 
     # What is drawn.
     upper, lower = two_axes_or_new(
@@ -339,7 +346,7 @@ def reduction(curve: Reduction, ax: Sequence[Axes] | None = None) -> Picture:
     )
     (from_two_waves,) = upper.plot(
         strain,
-        curve.two_wave_stress[loading] * unit.factor,
+        two_wave_stress * unit.factor,
         color=second,
         linewidth=0.9,
         linestyle="--",
@@ -361,10 +368,16 @@ def reduction(curve: Reduction, ax: Sequence[Axes] | None = None) -> Picture:
         xlim=(0, 1.02 * strain[-1]),
         ylabel=unit.label,
     )
-    format_axes(lower, xlabel="strain (%)", ylabel="strain rate\n(1/s)")
+    strain_label = "nominal strain (%), positive in compression"
+    format_axes(lower, xlabel=strain_label, ylabel="strain rate\n(1/s)")
     for each in (upper, lower):
         add_grid(each)
-        each.set_ylim(bottom=0)
+    lower.set_ylim(bottom=0)
+    # Where the two stresses differ most, the second one may be negative.
+    if two_wave_stress.min() >= 0:
+        upper.set_ylim(bottom=0)
+    else:
+        draw_zero(upper)
     return Picture(
         ax=upper,
         rate_ax=lower,

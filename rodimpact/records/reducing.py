@@ -66,8 +66,10 @@ def reduce(
         gauges on a bar separate waves that overlap at each gauge.
     bars : Rod, (Rod, Rod) or Calibration
         Input and output bar, or one rod if both are alike. In a round bar with a
-        Poisson ratio, waves disperse as in the exact first mode. The lengths give the
-        times at which waves return from the far ends.
+        Poisson ratio, waves disperse as in the exact first mode. A record that was
+        computed without `lateral_inertia` has no dispersion: reduce it with bars
+        without a Poisson ratio. The lengths give the times at which waves return from
+        the far ends.
     specimen : Specimen
     pulses : CutPulses, optional
         Incident, reflected and transmitted pulse, each cut out of its record, in place

@@ -154,7 +154,8 @@ def verdict_of(curve: Curve, impedance: float, rise: float) -> Verdict:
         if unsteadiness < MAX_UNSTEADY_RATIO * imbalance:
             sentence += (
                 "the difference is nearly constant there, as wrong gains or distances "
-                "of gauges make it: check them first, then "
+                "of gauges make it: check them first (ri.calibrate finds gains from a "
+                "shot with the bars together), then "
             )
         sentence += "use a shorter specimen or a slower rise of the pulse"
     return _with_numbers(

@@ -1,5 +1,7 @@
 """Measured over predicted signals, stations of gauges, and stress over strain."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 from drawing import texts_of
@@ -69,6 +71,15 @@ def test_shift_and_gain_are_named(prediction, label):
     plain_label = drawn_label.replace(TIMES, "x").replace("\N{MINUS SIGN}", "-")
     assert plain_label == label
     assert picture.residual.get_ydata() == pytest.approx(0.0, abs=0.1)
+
+
+@pytest.mark.parametrize(
+    ("ratio", "name"), [(0.05, "its band"), (1e-3, "its band, narrower than the line")]
+)
+def test_a_band_that_the_line_hides_says_so(ratio, name):
+    picture = plot.comparison(PULSE, PULSE, shift=0.0, scale=1.0, band=ratio * PULSE)
+
+    assert picture.band.get_label() == name
 
 
 def test_the_band_is_scaled_with_the_prediction():
@@ -207,7 +218,22 @@ def test_a_reduction_shows_stress_and_strain_rate_over_strain():
     np.testing.assert_allclose(picture.rate.get_xdata(), strain)
     # 0.8 of 1e-3 of strain, in a bar of 200 GPa as thick as the specimen
     assert picture.stress.get_ydata().max() == pytest.approx(160)
-    assert picture.ax.get_ylabel() == "stress (MPa)"
+    assert picture.ax.get_ylabel() == "nominal stress (MPa)"
+    assert picture.rate_ax.get_xlabel() == "nominal strain (%), positive in compression"
+
+
+def test_a_reduction_shows_a_negative_stress_of_the_input_face():
+    _, reduction = reduced_record()
+    force = np.abs(reduction.output_force)  # N
+    pressed = dataclasses.replace(reduction, input_force=force)
+    # 20 MPa less, on a section of 1 cm^2
+    pulled = dataclasses.replace(reduction, input_force=force - 2000.0)
+
+    lowest_of_pressed, _ = plot.reduction(pressed).ax.get_ylim()  # MPa
+    lowest_of_pulled, _ = plot.reduction(pulled).ax.get_ylim()
+
+    assert lowest_of_pressed == 0
+    assert lowest_of_pulled < -20
 
 
 def test_a_signal_is_no_reduction():
