@@ -570,7 +570,9 @@ def _hint(word: str, units: Collection[str]) -> str:
     """
     if word in _UNREAD_UNITS:
         return f"; {_UNREAD_UNITS[word]}"
-    compound = _worth_of_compound(word)
+    compound = None
+    if "/" in word or " " in word:
+        compound = _worth_of_compound(word)
     if compound is not None:  # a unit that is spelt alike may be another one
         equal = []
         for unit in units:
