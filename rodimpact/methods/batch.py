@@ -71,12 +71,12 @@ class Batch(Generic[StateT]):
         machine code runs. With a law of the user that numba has not compiled, plain
         Python always runs. A state that has its form already stays as it is.
         """
-        # Machine code cannot call functions that are not compiled.
-        pays = compiling.can_be(self.user_laws)
-        pays = pays and kernels.worth_compiling(seconds, self.kernel)
-        if pays and not self.is_compiled:
+        use_arrays = False  # machine code cannot call functions that are not compiled
+        if compiling.can_be(self.user_laws):
+            use_arrays = kernels.worth_compiling(seconds, self.kernel)
+        if use_arrays and not self.is_compiled:
             self.to_arrays()
-        elif self.is_compiled and not pays:
+        elif self.is_compiled and not use_arrays:
             self.to_lists()
 
     def to_arrays(self) -> None:

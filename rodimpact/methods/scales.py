@@ -250,13 +250,14 @@ def check_scales(row: Any) -> None:
     """Raise InvalidModel if numbers of a single row are out of bounds.
 
     They overflow or vanish, or a contact is as good as rigid. If numbers overflow or
-    vanish, contacts are not judged, else the error has all contacts that are too stiff.
+    vanish, contacts are not reported, else the error has all that are too stiff.
     """
     problems = []
     for is_beyond, path, message in beyond_scales(row):
         if is_beyond:
             problems.append((path, message))
-    # The path "bodies" is that of `energy_problem`, which comes first.
+    # The path "bodies" is that of `energy_problem`, which comes first: energies
+    # overflow or vanish, and ratios of the contacts say nothing.
     if problems and problems[0][0] == "bodies":
         raise InvalidModel(problems[:1])
     if problems:

@@ -329,7 +329,7 @@ class Pieces:
         and holds the constant value after both signals. `operation` takes two arrays.
         """
         starts = each_once(self.breaks, other.breaks)
-        stops = np.append(starts[1:], starts[-1])
+        stops = np.append(starts[1:], starts[-1])  # the last interval is empty
         shares, to_coefficients = _interpolation(size)
         # Values of both, [interval, point]
         left = self.inside(starts, stops, shares)

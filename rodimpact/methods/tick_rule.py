@@ -167,9 +167,11 @@ def assign_ticks(durations: Sequence[Duration], bits: int, drive_count: int = 0)
     sort_durations(durations, drive_count)
     longest_ticks = 0
     longest_time = durations[durations[0].sorted_index].time
-    for start in range(len(durations)):  # by decreasing time
+    for start in range(len(durations)):  # by decreasing time, drives after all others
         leader = durations[durations[start].sorted_index]
-        if leader.q < 0:  # it has its ticks, as a member of an earlier class
+        # q is below 0 once a duration has its ticks. `find_class` sets p/q of the
+        # members of a class, and q = 0 for the others.
+        if leader.q < 0:
             continue
         # Ticks of the leader before they are rounded; 0 for the first class
         exact_ticks = leader.time / longest_time * longest_ticks
@@ -179,7 +181,7 @@ def assign_ticks(durations: Sequence[Duration], bits: int, drive_count: int = 0)
             max_parts = int(exact_ticks / MIN_UNIT)  # a part has MIN_UNIT ticks or more
         if max_parts == 0:  # it is too short to lead a class: it is rounded singly
             leader.ticks = int(exact_ticks + 0.5)
-            leader.q = -1  # it has its ticks
+            leader.q = -1
             continue
         parts = find_class(durations, start, max_parts)
         # Ticks of a part, the unit of the class
@@ -194,10 +196,10 @@ def assign_ticks(durations: Sequence[Duration], bits: int, drive_count: int = 0)
         for i in range(start, len(durations)):
             member = durations[durations[i].sorted_index]
             # A member, the leader with 1/1 too, has p/q of the `parts` parts of the
-            # leader. Others have q = 0, or q < 0 if they have their ticks.
+            # leader.
             if member.q > 0:
                 member.ticks = unit * (parts // member.q) * member.p
-                member.q = -1  # it has its ticks
+                member.q = -1
     return longest_ticks
 
 

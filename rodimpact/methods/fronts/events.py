@@ -75,8 +75,9 @@ def empty_lines(lines: Sequence[Line], zero: Amplitude) -> None:
 def chain_initial_fronts(state: State) -> None:
     """Put the fronts of the log at t = 0 on their lines, which are empty before.
 
-    The fronts of a line are chained in the order of the log. The first one has just
-    arrived: it is the incoming wave. The second arrives next.
+    The fronts of a line are chained in the order of the log: `next_row` of a front is
+    that of the front behind it. The first one has just arrived: it is the incoming
+    wave. The second arrives next: `next_row` of the line is its row.
     """
     log = state.log
     for r in range(state.runs[0].initial_rows):
@@ -90,7 +91,8 @@ def chain_initial_fronts(state: State) -> None:
             log[line.last_row].next_row = r
             if line.next_row == NONE:  # the second one
                 line.next_row = r
-                line.arrival_tick = front.tick + state.segments[front.line // 2].transit
+                segment = state.segments[front.line // 2]  # it has two lines
+                line.arrival_tick = front.tick + segment.transit
         line.last_row = r
 
 

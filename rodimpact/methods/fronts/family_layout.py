@@ -180,13 +180,14 @@ def append_profile(
     """Append a velocity and a strain to `values`; return where they stand.
 
     Each is constant or in steps, see `append_steps`. They belong to the body that
-    begins with `segment`, or to what lies outside an end. Of a drive, `velocity` is
-    what it gives, which may be a force or a strain.
+    begins with `segment`, or to what lies outside an end, whose kind is
+    `boundary_kind`. Of a drive, `velocity` is what it gives, which may be a force or a
+    strain.
     """
     offset = len(values)
-    velocities = append_steps(values, velocity)
-    strains = append_steps(values, strain)
-    return Profile(segment, offset, velocities, strains, boundary_kind)
+    velocity_count = append_steps(values, velocity)
+    strain_count = append_steps(values, strain)
+    return Profile(segment, offset, velocity_count, strain_count, boundary_kind)
 
 
 def append_steps(values: list[Any], value: Any) -> int:

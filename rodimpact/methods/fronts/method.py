@@ -80,8 +80,9 @@ def make_run(
 ) -> Run:
     """The `Run` that all methods return, of a finished run to `until`, s.
 
-    It has the times of the proof and of the last contact, nan without a proof, the
-    status in sentences, totals of contacts and of the row, and a function that makes
+    It has the times of the proof and of the last contact, both nan without a proof (the
+    last contact may be nan or inf with one, see `last_contact_end`), the status in
+    sentences, totals of contacts and of the row, and a function that makes
     the signals. `rounding_errors` are those of `effect_of_rounding`, by measure; errors
     by faint forces are added.
     """
@@ -93,6 +94,8 @@ def make_run(
     t_final = math.nan
     t_proved = math.nan
     if finished.is_proved:
+        # `longest_rod` is the time through the longest rod, ticks. Bodies that still
+        # touch may part within a round trip.
         round_trip = 2 * clock.longest_rod * clock.tick  # s
         t_final = last_contact_end(finished.run, finished.contacts, round_trip)
         t_proved = finished.proved_tick * clock.tick

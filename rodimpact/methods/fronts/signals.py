@@ -148,17 +148,18 @@ def gaps_at_starts(
     """Gap at each of `ticks` as if the contact were open, in velocity times ticks.
 
     `gap_rate` is that from each tick to the next, m/s. At each of `changes`, which are
-    some of the ticks, the gap is 0; at the first tick it is `first_gap`. So it is what
-    the faces have travelled since the last change, or since the first tick.
+    some of the ticks, the gap is 0; at the first tick, unless this is a change, it is
+    `first_gap`. So it grows by what the faces travel after the last change, or after
+    the first tick.
     """
     steps = gap_rate[:-1] * np.diff(ticks)
-    travelled = np.concatenate(([0.0], np.cumsum(steps)))  # way since t = 0
+    travelled = np.concatenate(([0.0], np.cumsum(steps)))  # since the first tick
     at_changes = travelled[np.searchsorted(ticks, changes)]
     # [i]: value of `travelled` where the gap was 0 last, after i changes; without a
     # change that which leaves `first_gap` at the first tick
-    zeros = np.concatenate(([-first_gap], at_changes))
+    travelled_at_zero = np.concatenate(([-first_gap], at_changes))
     changes_so_far = np.searchsorted(changes, ticks, "right")
-    return np.asarray(travelled - zeros[changes_so_far])
+    return np.asarray(travelled - travelled_at_zero[changes_so_far])
 
 
 def arrivals(finished: FrontRun, lines: Lines, k: int, side: int) -> Pieces:

@@ -54,8 +54,8 @@ def final_sentence(contacts: list[Node], system: Any, t_final: float) -> str:
     """Sentence on a collision that is proved final.
 
     If contacts go on pressing, with more than `RESTING_FORCE_RTOL` of their peak force,
-    it names them. Else it is that of `status.proof_sentence` for `t_final`, the end of
-    the last contact, s.
+    it names them. Else it is that of `status.proof_sentence`, for `t_final`, the end of
+    the last contact, s, or for a row in which no contact has pressed.
     """
     pressing: list[int] = []
     has_pressed = False

@@ -375,6 +375,7 @@ def _cells(segment: Any, count: int) -> Cells:
         return cells
     polar = segment.polar_moments(area)  # m^4 [cell]
     if segment.lateral_inertia != MINDLIN_HERRMANN:  # Rayleigh and Love
+        # The energy of radial motion is rho nu^2 I_p (dv/dx)^2/2 a metre.
         lateral = rho * float(material.poisson_ratio) ** 2 * polar / dx
         return cells._replace(lateral_inertia=lateral)
     moduli = radial_moduli(E, float(material.poisson_ratio))

@@ -113,9 +113,10 @@ def add_joints(
     """
     first, last = group
     shift_by_momentum = 0.0
-    # Link `link` of the row is link `column` of the grid;
-    # it lies on the left of node `right`.
-    for column, (link, (_, right)) in enumerate(run.mesh.touching.items()):
+    # `touching` has the nodes on both sides of each link, by the number of the link in
+    # the row. Links of the grid are counted in this order, as columns.
+    for column, (link, beside) in enumerate(run.mesh.touching.items()):
+        _, right = beside
         is_inside = first < right <= last
         if is_inside:  # a joint, as groups end at contacts
             # Its place among the cells of the group, the first of which lies on the
@@ -136,7 +137,7 @@ def add_joints(
 
 
 def group_of(mesh: Mesh, node: int) -> tuple[int, int]:
-    """First and last node of the group to which a node belongs."""
+    """First and last node of the group of a node: all nodes between two contacts."""
     group = mesh.groups[0]
     for next_group in mesh.groups:  # from left to right
         first, _ = next_group

@@ -123,12 +123,12 @@ class GridRun:
     def _plan_states(self, snapshots: int | tuple[float, ...] | None) -> None:
         """Set how many states are kept at most, after which steps, and if in threes.
 
-        `snapshots` is their number, 3 at least, or their times, s, beside which states
-        are kept at the step ends before and after. Without it (None or 0) their number
-        follows from the memory that they may take, and is 64 at least. In threes, a
-        state is kept with those one step before and after, to be smoothed: states of
-        damped rods are, if there may be `MIN_STATES_IN_THREES` or more. `_stride`,
-        `_chosen_steps`, `_max_states` and `_in_threes` are set.
+        `snapshots` is the number of all states, 3 at least, or their times, s, beside
+        which states are kept at the step ends before and after. Without it (None or 0)
+        the number follows from the memory that states may take, and is 64 at least. In
+        threes, a state is kept with those one step before and after, to be smoothed:
+        states of damped rods are, if there may be `MIN_STATES_IN_THREES` or more.
+        `_stride`, `_chosen_steps`, `_max_states` and `_in_threes` are set.
         """
         mesh = self.mesh
         self._stride = 1  # steps between two states, where none are chosen
@@ -150,7 +150,7 @@ class GridRun:
             step_after = np.ceil(times)
             at_start = [0.0]  # the state at t = 0 is always kept
             self._chosen_steps = np.concatenate((step_before, step_after, at_start))
-            self._max_states = 3 * len(self._chosen_steps)  # room for threes
+            self._max_states = 3 * len(self._chosen_steps)  # if they are in threes
         is_damped = bool(mesh.viscous.any())
         self._in_threes = is_damped and self._max_states >= MIN_STATES_IN_THREES
 

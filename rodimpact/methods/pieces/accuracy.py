@@ -82,8 +82,8 @@ def prepare_second_run(fine: Any, coarse: Any) -> None:
 
     Fields of `coarse` are changed. Its pieces that no tolerance limits will be halved:
     else both runs would have the same. It goes on as long after its proof as `fine`.
-    Where `fine` took means of dense breaks, its least duration of pieces is
-    COARSER_FLOOR times as long.
+    Where `fine` took means over dense breaks, `min_break_spacing` of `coarse`, up to
+    which a piece with means lasts, becomes COARSER_FLOOR times as long.
 
     Parameters
     ----------

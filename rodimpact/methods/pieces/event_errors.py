@@ -25,6 +25,8 @@ def record_event(run: Run, links: Links, node: Node, event: Event, h: float) -> 
     """
     link = links[event.link]
     for which in range(contact_laws.guard_count(link)):
+        # The values of the guard are now in `node.scratch_values`; `status` is where
+        # the link goes as they fall below 0.
         status = event_location.set_guard_values(run, link, node, which, h)
         if status == event.status:
             series.set_series(node.scratch_values, node.scratch_series)
@@ -36,7 +38,8 @@ def record_event(run: Run, links: Links, node: Node, event: Event, h: float) -> 
                 # is in units of their scale, is wrong by 1.
                 lag = 1 / rate
                 if contact_laws.follows_overlap(link, which):
-                    # A guard of overlaps is wrong by v times the memory, over `length`.
+                    # A guard of overlaps, in units of `length`, m, is wrong by v times
+                    # the memory over this length.
                     length = event_location.guard_length(run, h)
                     lag *= run.velocity_scale * overlap_memory(run, link) / length
                 link.event_error = max(link.event_error, error / rate)

@@ -323,8 +323,10 @@ def count_faint_ticks(run: Run, link: Link, touch: int, ticks: int) -> int:
     compliant.
     """
     faint = link.faint_ticks
-    # From SPRING on a law is that of an overlap, from PRESS on a contact has a force.
-    is_closed = link.law >= Law.SPRING and link.status >= Status.PRESS
+    # The laws from SPRING on are those of an overlap, the states from PRESS on those
+    # with a force.
+    is_compliant = link.law >= Law.SPRING
+    is_closed = is_compliant and link.status >= Status.PRESS
     if touch == Status.PRESS or not is_closed:
         faint = 0
     elif faint != NONE and series.largest(link.force) > 0:

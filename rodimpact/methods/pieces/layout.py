@@ -164,6 +164,7 @@ def lay_out(
 
 def shortest_transit(clock: Clock) -> Any:
     """The shortest transit time, or the reference time of a row without rods, ticks."""
+    # The reference is the longest transit, or what stands for it without rods.
     shortest = np.rint(clock.reference / clock.tick)
     for transit in clock.transits:
         shortest = np.minimum(shortest, transit)

@@ -42,11 +42,11 @@ def at(piece: Piece, y: float) -> float:
 
 
 def advance_to(lines: Lines, log: Log, l: int, tick: int) -> None:
-    """Move the read piece of line l on to the one that arrives at a tick.
+    """Move on to the piece of line l that arrives at a tick: it is read from now on.
 
-    A piece whose end arrives at this tick has been read. The last piece stays the read
-    one, also after its end. Hard breaks that are passed are no longer counted in
-    `unread_breaks`.
+    A piece whose end arrives at this tick has been read. The last piece stays the one
+    that is read, also after its end. Hard breaks that are passed are no longer counted
+    in `unread_breaks`.
     """
     line = lines[l]
     # A piece has been read when its end has arrived, a delay after it was sent.
@@ -240,7 +240,7 @@ def append_values(
     f: Values,
     c: MutableValues,
 ) -> int:
-    """Append a piece with the values f at its points to line l.
+    """Append a piece with the values f at its POINTS = N + 1 points to line l.
 
     It has `ticks` from `tick` on, and degree 0 if all values are the same. Return its
     row in the log, or NONE if the last piece of the line goes on with the same

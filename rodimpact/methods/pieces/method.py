@@ -390,9 +390,9 @@ def _velocities_by_body(row: Row, group_velocities: list[Any]) -> list[Any]:
 def _group_velocities(family: Members) -> tuple[list[Any], list[Any]]:
     """Velocities of groups before and after, m/s, [group] by the shape of the family.
 
-    Each is that of the centre of mass, seen from the ground. The frame moves with
-    `row.frame` at t = 0 and falls: its velocity is frame + g t. "After" is the last
-    check of finality.
+    Each is that of the centre of mass, seen from the ground. The records hold
+    velocities in the frame, whose own velocity, frame + g t, is added. "After" is the
+    last check of finality.
     """
     row = family.row
     parts = family.parts
@@ -403,8 +403,8 @@ def _group_velocities(family: Members) -> tuple[list[Any], list[Any]]:
     )
     before = []
     after = []
-    # The first part of a group has the number of its parts,
-    # and the motion of the group.
+    # The first part of a group, its head, has the number of its parts and the motion of
+    # the group; other parts have 0. All members have the same groups as the first one.
     for head in np.flatnonzero(parts["part_count"][0] > 0):
         group = parts[:, head].reshape(shape)
         before.append(group["initial_velocity"] + row.frame)

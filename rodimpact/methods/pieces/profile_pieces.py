@@ -195,9 +195,10 @@ def _kinks(series: Floats, widths: Floats) -> Floats:
 def _borders_of_rest(signal: Pieces, edges: Ints, round_off: float) -> Any:
     """Whether an edge borders the constant stretch at the start or at the end, [edge].
 
-    `edges` are the ticks between the intervals of the signal. Changes in an interval up
-    to `round_off` count as none. A signal that never changes has no such border. The
-    first edge is never one, the last one is if the signal changes up to it.
+    `edges` are the ticks between the intervals of the signal. Only changes inside of
+    intervals count, and none up to `round_off`: jumps at edges are left to the caller.
+    Without such a change there is no border. The first edge is never one, the last one
+    is if the last interval changes.
     """
     series = signal.cut(edges[:-1], int(edges[-1])).coefficients
     changing = np.flatnonzero(np.abs(series[:, 1:]).sum(axis=1) > round_off)
@@ -295,7 +296,7 @@ def backwards(pieces: Any) -> Any:
     back = pieces[::-1].copy()
     back["start"] = -pieces["end"][::-1]
     back["end"] = -pieces["start"][::-1]
-    # Orders of all breaks but the first, from the last one on
-    back["break_order"] = [SMOOTH, *pieces["break_order"][:0:-1]]
+    orders_without_first = pieces["break_order"][1:]
+    back["break_order"] = [SMOOTH, *orders_without_first[::-1]]
     back["coefficients"] *= (-1.0) ** np.arange(POINTS)
     return back

@@ -134,14 +134,15 @@ def _with_wall_force(
 ) -> BoundaryAction | None:
     """What acts on an end of the row: on a wall the force of the nearest contact.
 
-    `body` stands at this end, and `contacts` begin there. If it is no wall, or there is
-    no contact but None, `outside` is returned as it is. Contacts that are None are
-    bonds of rigid bodies to the wall, which pass the force of the next contact on.
+    `body` stands at this end, and `contacts` begin there. If it is no wall, or all
+    contacts are None, `outside` is returned as it is; it may be None, too. Contacts
+    that are None are bonds of rigid bodies to the wall, which pass the force of the
+    next contact on. The force holds the impulses of blows, too.
     """
     if outside is None or not isinstance(body, Wall):
         return outside
     for contact in contacts:
-        if contact is not None:  # its force also has blows
+        if contact is not None:
             return outside._replace(push=contact.force)
     return outside
 
