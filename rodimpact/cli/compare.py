@@ -43,7 +43,7 @@ class Comparison(NamedTuple):
 
     measured: Signal
     predicted: Signal
-    misfit: Misfit  # it has shift and gain of the prediction, too
+    misfit: Misfit  # it has shift and factor of the prediction, too
     measured_pulse: Pulse | None  # None if the record has no whole pulse
     predicted_pulse: Pulse | None  # pulse of the shifted prediction, during the record
 
