@@ -16,7 +16,15 @@ from rodimpact.cli import COMMANDS
 
 ROOT = Path(__file__).parents[1]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
-FOLDERS = ("", "rodimpact", "rodimpact/methods", "docs", "docs/_static", "validation")
+FOLDERS = (
+    "",
+    "rodimpact",
+    "rodimpact/methods",
+    "docs",
+    "docs/_static",
+    "tests",
+    "validation",
+)
 """Folders from which the manual names files."""
 SUFFIXES = r"py|pyi|md|toml|css|js|cff|html"
 EXAMPLES = {
