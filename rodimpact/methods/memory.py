@@ -61,7 +61,7 @@ def require_memory(numbers: float, field: str, work: str, remedy: str) -> None:
     """Raise TooLong where so many numbers of 8 bytes are more than `max_numbers`.
 
     A thread that is limited to a share, see `limit_to_share`, waits here for its turn
-    if it needs more than that, and has the turn until `give_back`. Nothing is
+    if it needs more than that, and has the turn until `end_turn`. Nothing is
     allocated.
 
     Parameters
@@ -115,14 +115,14 @@ def limit_to_share(threads: int) -> None:
     """Limit this thread to its part of what all `threads` may take together.
 
     A thread that needs more waits in `require_memory` until no other thread takes more;
-    its turn lasts until `give_back`. All together take half of the machine's memory at
+    its turn lasts until `end_turn`. All together take half of the machine's memory at
     most.
     """
     _thread.share = SHARE * installed() / threads
     _thread.has_turn = False
 
 
-def give_back() -> None:
+def end_turn() -> None:
     """End the turn of this thread, if it has it.
 
     Then another may take more than its share.

@@ -162,10 +162,11 @@ def run_chunk(
         if not chunk.in_one_call or needs_solutions(chunk.options, chunk.readings):
             columns = _one_by_one(chunk, should_stop)
         if chunk.in_one_call:
-            # Columns of the call replace those of the same name of single members.
+            # Columns of the call replace those of the same name of single members: a
+            # sweep with gauges has the same digits as one without.
             columns |= _in_one_call(chunk, should_stop, later)
     finally:
-        memory.give_back()  # this thread's turn at more than its share of memory
+        memory.end_turn()  # others may now take more than their share of memory
     with_dtypes = {}
     for name, layout in layout_of(chunk.system, chunk.readings).items():
         with_dtypes[name] = columns[name].astype(layout.dtype, copy=False)

@@ -136,8 +136,8 @@ def _members(result: SweepResult, varied: Varied, more: str) -> str:
         columns |= _of_contact(unilateral_contacts[0], numbers)
     else:
         columns |= _of_bodies(len(system.bodies), numbers)
-    scales = _energy_scale(result, members, numbers)
-    energies = []
+    scales = _energy_scales(result, members, numbers)
+    energies = []  # less than the round-off of its scale counts as 0
     for vibration, scale in zip(numbers["vibration"], scales, strict=True):
         energies.append(joules(vibration, scale))
     columns["vibration energy"] = energies
@@ -224,7 +224,7 @@ def _numbered(name: str, count: int, numbers: dict[str, Any]) -> list[Any]:
     return columns
 
 
-def _energy_scale(result: SweepResult, members: Any, numbers: dict[str, Any]) -> Any:
+def _energy_scales(result: SweepResult, members: Any, numbers: dict[str, Any]) -> Any:
     """Scale of energies, J, [member]: what is less than its round-off counts as 0.
 
     It is (sum of m) (spread of v)^2/2 + (sum of abs(J))^2/(2 smallest m), with masses

@@ -157,7 +157,7 @@ def test_threads_that_take_more_than_their_share_go_one_after_the_other(monkeypa
         time.sleep(0.01)
         counts.append(len(at_work))
         at_work.remove(number)
-        memory.give_back()
+        memory.end_turn()
 
     with ThreadPoolExecutor(
         4, initializer=memory.limit_to_share, initargs=(4,)
