@@ -14,7 +14,7 @@ from ..model import GAP, Bonded, Material, Rigid, RigidMass, Rod, Segment, Wall
 from ..model.frozen import LARGEST, OUT_OF_SCALE, SMALLEST, TINY, QuantityField
 from ..model.laws import Hertz, HuntCrossley, PowerLaw, Spring, SpringDashpot
 from ..model.profiles import Steps
-from ..model.quantities import number_of
+from ..model.quantities import of_unit
 
 LAWS = (Rigid, Bonded, Spring, SpringDashpot, Hertz, HuntCrossley, PowerLaw)
 """Contact laws that the page can solve."""
@@ -88,7 +88,7 @@ def _rules_of(fields: dict[str, QuantityField], names: list[str]) -> dict[str, R
         unit = ""
         names_unit = field.wanted.removesuffix(VALUE) != wanted
         if names_unit:
-            unit = number_of(field.unit)
+            unit = of_unit(field.unit)
         rules[name] = Rule(smallest, largest, wanted, unit)
     return rules
 

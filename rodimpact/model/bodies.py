@@ -343,7 +343,7 @@ class Segment(FrozenDataclass):
         """Refuse a uniform segment whose impedance, transit time or mass is extreme.
 
         InvalidModel if Z = rho A c, T = L/c or the mass Z T is outside the range of the
-        model in any member of a family. It is about the area, or about the diameter
+        model in any member of a family. The error names the area, or the diameter
         from which `area` follows.
         """
         L = self.length

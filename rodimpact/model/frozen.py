@@ -41,7 +41,7 @@ from ..hints import (
     nearest,
 )
 from ..units import one_line, shown
-from .quantities import Floats, floats, number_of
+from .quantities import Floats, floats, of_unit
 
 Number: TypeAlias = float | Floats
 Held = TypeVar("Held")
@@ -185,7 +185,7 @@ class QuantityField(NamedTuple):
 
         They end with ``got {0!r}``, to be formatted with the wrong value.
         """
-        number = f"number{number_of(self.unit)}"
+        number = f"number{of_unit(self.unit)}"
         if self.sign == "positive or infinite":
             return f"must be a positive {number} or infinite, got {{0!r}}"
         if self.sign[0] in "[(":
@@ -259,7 +259,7 @@ class QuantityField(NamedTuple):
     def _check_word(self, problems: Problems, path: str, value: str) -> None:
         """Add a problem if a text is not the word that may stand for the number."""
         if value != self.word:
-            message = f'must be a number{number_of(self.unit)} or "{self.word}"'
+            message = f'must be a number{of_unit(self.unit)} or "{self.word}"'
             add_problem(problems, path, message, value)
 
     def _is_in_scale(self, numbers: Any) -> Any:

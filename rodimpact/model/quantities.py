@@ -66,6 +66,7 @@ def floats(value: Any, unit: str) -> Floats:
             with np.errstate(over="ignore"):
                 numbers = np.array(bare, dtype=np.float64)
         except ValueError:
+            # Text was refused by `_strip_units`: only ragged lists are left.
             reason = "; lists must be of equal lengths"
         else:
             if numbers.ndim > MAX_AXES:
@@ -76,7 +77,7 @@ def floats(value: Any, unit: str) -> Floats:
         reason = "; it is too large for a floating-point number"
     except (TypeError, RecursionError):
         pass
-    raise ValueError(f"must be a number{number_of(unit)}, got {shown(value)}{reason}")
+    raise ValueError(f"must be a number{of_unit(unit)}, got {shown(value)}{reason}")
 
 
 def _reading_of(text: str, unit: str) -> str:
@@ -104,8 +105,8 @@ def is_integer(value: Any) -> bool:
     return isinstance(value, Integral)
 
 
-def number_of(unit: str) -> str:
-    """Text behind "a number" in a sentence: " of metres"; "" for a pure number."""
+def of_unit(unit: str) -> str:
+    """Words behind "a number" in a sentence: " of metres"; "" for a pure number."""
     if not unit:
         return ""
     return f" of {_UNIT_WORDS.get(unit, unit)}"

@@ -592,7 +592,7 @@ def _check_rigid(problems: Problems, i: int, law: Rigid, pair: Any) -> None:
 def _check_bonded_velocities(system: System) -> None:
     """Raise InvalidModel if rigid bodies that are bonded have different velocities.
 
-    It is about the first such pair, and about the velocity of its right body.
+    The error names the velocity of the right body of the first such pair.
     """
     for i, law in enumerate(system.contacts):
         left = system.bodies[i]
