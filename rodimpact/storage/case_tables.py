@@ -21,7 +21,7 @@ from ..model.profiles import Polynomials, Samples, Steps
 from ..units import shown
 from .grids import Grid, Tie
 
-PROFILES = {  # how a profile is written along a rod, and in time
+PROFILE_SYNTAX = {  # for messages: how a profile is written, by `QuantityField.along`
     "length": " A profile is written {values = [...], at = [...]} or "
     "{samples = [...]};",
     "time": " A profile is written {values = [...], at = [...]} or "
@@ -173,9 +173,10 @@ class Table:
         if field.many:
             return self.number_list(key, field.dimension)
         value = self.get(key)
-        # A grid or a tie takes the place of the entry.
+        # A `Grid` or a `Tie` of this path takes the place of the entry.
         value = self.reading.grids.get(self.where(key), value)
-        if field.along and isinstance(value, dict):
+        may_be_profile = field.along != ""  # along a rod or in time
+        if may_be_profile and isinstance(value, dict):
             return self.profile(key, field)
         if field.word and isinstance(value, str) and value[:1].isalpha():
             # A text that begins with a letter is no number with a unit.
@@ -185,13 +186,13 @@ class Table:
             return math.inf
         if value is None:
             choices = ", ".join(units.UNITS.get(field.dimension, ()))
-            hint = ""
+            units_hint = ""
             if choices:
-                hint = f" or text with one of {choices}"
-            self.note_mistake(key, f"is missing; give a number in SI units{hint}")
+                units_hint = f" or text with one of {choices}"
+            self.note_mistake(key, f"is missing; give a number in SI units{units_hint}")
             return math.nan
-        hint = PROFILES.get(field.along, "")
-        return self.quantity(key, value, field.dimension, hint)
+        profile_hint = PROFILE_SYNTAX.get(field.along, "")
+        return self.quantity(key, value, field.dimension, profile_hint)
 
     def quantity(self, key: str, value: Any, dimension: str, hint: str = "") -> Any:
         """The `value` at a key in SI units: a float, or the array of a grid or a tie.

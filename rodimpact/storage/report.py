@@ -377,7 +377,8 @@ def _episodes_table(solution: Any) -> str:
 def _sentences(outcome: Any) -> str:
     """Why there is no restitution, and why the run ended, a line each.
 
-    With a restitution this is only the second. That is left out if the first says it.
+    With a restitution there is the second alone. It is left out where the first says
+    the same.
     """
     sentences = []
     reason = outcome.why_no_restitution()
