@@ -270,8 +270,10 @@ def _rest_samples(name: str, times: _Times, first: _Record) -> int:
 def _first_pulse(name: str, times: Floats, strain: Floats, compression: str) -> Pulse:
     """Timing of the first pulse of a record, without what the record has after it.
 
-    The first pulse is where the mean of `SMOOTHED_SAMPLES` first exceeds
-    `FIRST_PULSE_RATIO` of the largest strain, and ends where that mean is back at rest.
+    The record, less its median at rest, is cut where the first pulse ends; `pulse_of`
+    times what is left. The pulse is found by the mean of `SMOOTHED_SAMPLES`: it is
+    where this first exceeds `FIRST_PULSE_RATIO` of the largest strain, and ends where
+    this is back at rest.
     `strain` is positive in compression if `compression`, the sign in the records, is
     right. InvalidModel, which names the argument `name`, if the first pulse is a
     tension, or none can be timed, or single samples stand far above all others.

@@ -349,7 +349,7 @@ def _with_output_speed(output_bar: InstrumentedBar) -> _Timed:
     """
     to_far_end = float(output_bar.rod.length) - float(output_bar.distances[0])
     path = 2 * to_far_end
-    passing = _passing(output_bar)
+    passing = _first_pulse_alone(output_bar)
 
     def returned(bar: InstrumentedBar) -> Floats:
         """The pulse as it comes back to the gauge.
@@ -463,13 +463,16 @@ def _reflected_ratio(input_bar: InstrumentedBar) -> float:
     The incident pulse, as if all of it came back to the gauge with its sign, is fitted
     to what the gauge records after the incident pulse.
     """
-    incident = _passing(input_bar)
+    incident = _first_pulse_alone(input_bar)
     returned = input_bar.propagated(incident, 2 * float(input_bar.distances[0]))
     magnitude = np.abs(returned)
     is_pulse = magnitude > PULSE_THRESHOLD * magnitude.max()
-    expected = returned[is_pulse]
-    recorded = (input_bar.strains[0] - incident)[is_pulse]
-    return float(expected @ recorded / (expected @ expected))
+    full_reflection = returned[is_pulse]
+    # The record of the gauge, 0 while the incident pulse passes
+    after_incident = input_bar.strains[0] - incident
+    reflection = after_incident[is_pulse]
+    squares = full_reflection @ full_reflection
+    return float(full_reflection @ reflection / squares)
 
 
 def _noise(bar: InstrumentedBar) -> float:
@@ -482,7 +485,7 @@ def _at_output_gauge(input_bar: InstrumentedBar, output_bar: InstrumentedBar) ->
 
     It is the strain at the times of the output bar, without the gains of the bars.
     """
-    passing = _passing(input_bar)
+    passing = _first_pulse_alone(input_bar)
     # The input gauge records its pulse at other times than the output gauge.
     pulse = np.interp(output_bar.times, input_bar.times, passing, left=0.0, right=0.0)
     with_steps_of_output = input_bar._replace(dt=output_bar.dt)
@@ -550,7 +553,7 @@ def _block_sums(values: Floats, bar: InstrumentedBar) -> Floats:
     return sums
 
 
-def _passing(bar: InstrumentedBar) -> Floats:
+def _first_pulse_alone(bar: InstrumentedBar) -> Floats:
     """The record of the first gauge until its first pulse has passed, zero after it."""
     pulse = bar.first_pulse
     # The width is that at half height: both feet take up to a rise time more.

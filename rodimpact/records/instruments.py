@@ -149,7 +149,7 @@ def _yokogawa_layout(lines: list[str], entries: Entries) -> Layout:
 
     The time of row k = 1, 2, ... is HResolution (k - 1) + HOffset, in HUnit, says the
     appendix on the ASCII data file of the manuals. FileFormatError for several blocks,
-    or if these two are no numbers.
+    or if HResolution or HOffset is no number.
     """
     if first_value(entries, "blocknumber", "1") != "1":
         raise FileFormatError(
@@ -165,7 +165,7 @@ def _yokogawa_layout(lines: list[str], entries: Entries) -> Layout:
             "lines above the numbers and give rate"
         ) from None
     channels = [name for name in entries["tracename"] if name]
-    first_row = 0  # index of the line with the first row
+    first_row = 0  # index of the line with the first row; 0 if there is none
     for index, line in enumerate(lines):
         if _has_numbers_alone(line):
             first_row = index

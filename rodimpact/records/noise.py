@@ -23,7 +23,7 @@ def noise_of_bar(bar: InstrumentedBar, rng: np.random.Generator) -> Instrumented
     The noise of a gauge, at all times of the bar, is a block bootstrap of its record
     before the pulse, less its own mean over as many samples. Blocks keep the
     correlation of the noise. They are short, since the mean over the whole rest was
-    subtracted as the baseline.
+    subtracted as the baseline. The noise is enlarged for what that took from it.
     """
     block = max(2, bar.rest_samples // NOISE_BLOCKS)  # samples
     count = len(bar.times)
@@ -35,6 +35,7 @@ def noise_of_bar(bar: InstrumentedBar, rng: np.random.Generator) -> Instrumented
         noise = strain[samples].ravel()[:count]
         baseline = noise[: bar.rest_samples].mean()
         drawn.append(noise - baseline)
-    # Sums of blocks vary less by this factor, because the rest has the mean 0.
+    # Because the rest has the mean 0, sums of blocks vary less, by this factor; the
+    # division makes up for it.
     shrinkage = math.sqrt(1 - block / bar.rest_samples)
     return bar._replace(strains=np.array(drawn) / shrinkage)

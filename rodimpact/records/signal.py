@@ -254,7 +254,8 @@ class Signal(Frozen):
         Raises
         ------
         ValueError
-            If the samples are not at equal steps, or a time is negative or too long.
+            If the samples are not at equal steps, or a time is negative or takes too
+            many samples.
         """
         step = self.dt
         n_before = _number_of_steps("before", before, step)
@@ -691,8 +692,8 @@ def _unit_text(unit: str) -> str:
 def _number_of_steps(name: str, duration: Any, step: float) -> int:
     """Least number of steps of `step`, s, that cover a duration, s.
 
-    InvalidModel, which names the argument `name`, if the duration is negative or too
-    long.
+    InvalidModel, which names the argument `name`, if the duration is negative or takes
+    more than `MAX_SAMPLES`.
     """
     steps = scalar(name, duration, "s") / step  # no whole number yet
     if not 0 <= steps < filters.MAX_SAMPLES:
@@ -704,7 +705,7 @@ def _number_of_steps(name: str, duration: Any, step: float) -> int:
 def bounds_of(name: str, bounds: Any, unit: str) -> Range | None:
     """Lower and upper bound from a pair; a single number is both, None stays None.
 
-    InvalidModel for anything else than one number, or two that do not fall.
+    InvalidModel for anything else than one number, or two in increasing order.
     """
     if bounds is None:
         return None
