@@ -48,7 +48,8 @@ if not TYPE_CHECKING:  # a type checker must not take every name for granted
         raise missing_name(__name__, name, __all__)
 
 
-_MASS = ("kg", "positive or infinite")  # unit and sign of an argument
+# Unit and sign of an argument
+_MASS = ("kg", "positive or infinite")
 _VELOCITY = ("m/s", "any")
 _TOO_SLOW = (
     f"must be {SMALLEST:g} m/s or more above the velocity of body 2, got {{0!r}} more"
@@ -299,7 +300,8 @@ def restitution_from_velocities(
     )
     demand(V1 > V2, "v1_before", _NOT_APPROACHING, V1, V2)
     closing = V1 - V2
-    demand(closing >= SMALLEST, "v1_before", _TOO_SLOW, closing)  # e stays finite
+    # No velocity exceeds 1e150 m/s, so e stays finite.
+    demand(closing >= SMALLEST, "v1_before", _TOO_SLOW, closing)
     parting = W2 - W1
     return float_or_array(parting / closing)
 

@@ -644,7 +644,7 @@ def shown(value: Any) -> str:
     60
     """
     try:
-        return one_line(_SHORT.repr(value))
+        return one_line(_SHORT.repr(value))  # `one_line` cuts it to MOST_SHOWN
     except Exception:  # the value's own repr fails, or an integer has too many digits
         return f"a value of type {one_line(type(value).__name__)}"
 

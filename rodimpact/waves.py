@@ -306,11 +306,14 @@ class Bar(FrozenDataclass):
         return float_or_array(relative_delay / self.wave_speed)
 
     def _speed_ratio(self, frequency: ArrayLike) -> Array:
-        """c/c0 of the first mode at frequencies in Hz, of their shape."""
+        """c/c0 of the first mode at frequencies in Hz, of their shape.
+
+        It is the lowest root of the frequency equation. Long work shows its progress.
+        """
         f = array("frequency", frequency, "Hz", "non-negative")
         W = 2 * math.pi * f * self.radius / self.wave_speed  # omega a/c0
         poisson_ratios = np.full(f.shape, self.poisson_ratio)
-        return _lowest_roots(_wavenumber_of_frequency, W, poisson_ratios)
+        return _lowest_speed_ratios(_wavenumber_of_frequency, W, poisson_ratios)
 
     def _scaled_frequency(self, G: Array) -> Any:
         """omega a/c0 of the first mode at dimensionless wave numbers G.
@@ -367,7 +370,7 @@ def first_mode(
     # Beyond this limit the speed no longer changes; larger numbers would overflow.
     ratio = np.minimum(ratio, MAX_RADIUS_OVER_WAVELENGTH)
     G = 2 * math.pi * ratio
-    speeds = _lowest_roots(_same_wavenumber, G, nu, progress)
+    speeds = _lowest_speed_ratios(_same_wavenumber, G, nu, progress)
     return float_or_array(speeds)
 
 
@@ -515,7 +518,7 @@ def _wavenumber_of_frequency(W: Any, x: Any) -> Any:
     return W / x
 
 
-def _lowest_roots(
+def _lowest_speed_ratios(
     wavenumber: WavenumberFunction,
     given_numbers: Array,
     poisson_ratios: Array,

@@ -131,16 +131,16 @@ class ContactHistory:
         """Force and gap at the times between which straight lines follow them.
 
         Values are those just after each time. If the force is constant between jumps,
-        the times are 0 and its jumps. Else there are more: force and velocities jump at
-        these times alone, and straight lines between them follow force and gap to 5e-5
-        of their ranges.
+        the times are 0 and its jumps. Otherwise there are also times at which force or
+        gap bend: force and velocities jump at these times alone, and straight lines
+        between them follow force and gap to 5e-5 of their ranges.
         """
         is_constant_between_jumps = self.push.coefficient_count == 1
         if is_constant_between_jumps:
             ticks = self.push.ticks
         else:
-            # Straight lines between the marks of a signal follow it closely. The marks
-            # of both signals are merged, in order.
+            # Straight lines between the marks of a signal follow it to `LINE_RTOL` of
+            # its range. The marks of both signals are merged, in order.
             ticks = each_once(self.push.marks, self._gap.marks)
         times = ticks * self._tick
         return Breakpoints(times, self.push.at(ticks), self._gap.at(ticks))

@@ -47,8 +47,10 @@ def _means_over_two_steps(velocity: Floats, when: Ints) -> Floats:
 
     `when` is the number of the time step of each state. Where the state of the step
     before or after was not kept, the velocity itself stays, as it does at t = 0. The
-    state after t = 0 and the last one have one-sided means, if the states of the three
-    steps after or before them were kept; the state at t = 0 counts in no mean.
+    state at t = 0 counts in no mean. The state after it and the last one have one-sided
+    means, v + (second difference two steps away)/4: of the state after t = 0, if the
+    states of the next three steps were kept, and of the last, if those of the three
+    steps before were.
     """
     means = velocity.copy()
     is_next_step = np.diff(when) == 1  # whether neighbouring states are a step apart

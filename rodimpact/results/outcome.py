@@ -320,8 +320,8 @@ def outcome_of(run: Run, totals: Totals) -> Outcome:
         kinetic_after=totals.after.kinetic,
         vibration_before=tuple(totals.before.vibration),
         vibration_after=tuple(totals.after.vibration),
-        contacts=TupleOfParts(run.contacts),
-        unilateral=tuple(unilateral(system)),
+        contacts=TupleOfParts(run.contacts),  # a tuple with helpful AttributeErrors
+        unilateral=tuple(unilateral(system)),  # indices of contacts
         momentum_residual=totals.momentum_residual,
         energy_residual=totals.energy_residual,
         final=run.final,

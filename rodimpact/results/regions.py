@@ -125,7 +125,8 @@ def regions_of(
         message = f"more than {limit:.15g} regions; choose a shorter interval"
         raise invalid_argument("limit", message)
     clock = fields.clock
-    polygons = polygons_of(rods, clock.tick, clock.frame, first_tick, last_tick)
+    frame_velocity = clock.frame
+    polygons = polygons_of(rods, clock.tick, frame_velocity, first_tick, last_tick)
     arrays = {}
     for name, values in polygons.items():
         arrays[name] = np.array(values)

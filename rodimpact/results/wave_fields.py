@@ -95,10 +95,11 @@ class WaveFields(Fields):
         frame_velocity = self.clock.frame
 
         def velocity(waves: SegmentWaves, p: Ints, q: Ints) -> Floats:
-            """v where the parts of both waves meet that left the ends at p and q."""
+            """v where waves meet that left the left and right end at the ticks p, q."""
             return waves.velocity(p, q, side) + frame_velocity
 
-        # The side, which `velocity` has already, chooses the faster way for "right".
+        # `velocity` has the side already. It is given once more since values just after
+        # fronts ("right") can be found in a faster way.
         return self._one_sided_values(body, x, ticks, side, velocity)
 
     def rod_strain(self, body: int, x: Floats, ticks: Ints, side: Side) -> Floats:
@@ -120,13 +121,13 @@ class WaveFields(Fields):
         t = 0 plus that since then at the point, the frame's included
         (`SegmentWaves.displacement`).
         """
-        frame = self.clock.frame
+        frame_velocity = self.clock.frame
         tick = self.clock.tick
 
         def displacement(waves: SegmentWaves, p: Ints, q: Ints) -> Floats:
             """Displacement where two parts of the waves meet, m."""
             of_left_end = self._initial_displacements[waves.segment]
-            return waves.displacement(p, q, frame) * tick + of_left_end
+            return waves.displacement(p, q, frame_velocity) * tick + of_left_end
 
         return self._values(body, x, ticks, displacement)
 
