@@ -71,7 +71,7 @@ class FamilyAxis(NamedTuple):
         return edges
 
 
-def check_varied(result: SweepResult, varied: Any) -> Sequence[tuple[str, Any, str]]:
+def check_varied(result: SweepResult, varied: Any) -> Sequence[Varied]:
     """What the user varied along each axis of a family, () for None.
 
     Raises
@@ -81,20 +81,19 @@ def check_varied(result: SweepResult, varied: Any) -> Sequence[tuple[str, Any, s
     """
     if varied is None:
         return ()
-    sizes = []
-    is_list = isinstance(varied, list | tuple)
-    for axis in varied if is_list else ():
-        if not isinstance(axis, Varied):
-            break
-        sizes.append(axis.values.size)
-    if not is_list or tuple(sizes) != result.shape:
+    is_right = isinstance(varied, list | tuple)
+    is_right = is_right and all(isinstance(axis, Varied) for axis in varied)
+    if is_right:
+        shape = tuple(axis.values.size for axis in varied)
+        is_right = shape == result.shape
+    if not is_right:
         message = f"must be the `varied` of the case of this family, {result.shape}"
         raise invalid_argument("varied", f"{message}; got {shown(varied)}")
     return tuple(varied)
 
 
 def family_axis(
-    result: SweepResult, dimension: int, varied: Sequence[tuple[str, Any, str]] = ()
+    result: SweepResult, dimension: int, varied: Sequence[Varied] = ()
 ) -> FamilyAxis:
     """The axis of a dimension of the family: order, values, scale and label.
 

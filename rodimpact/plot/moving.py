@@ -54,6 +54,7 @@ FRAMES_OF_STRAIN = 100  # frames from which the largest strain is taken
 MAX_CAPTION_LINES = 3
 MAX_APPROACH_FRAMES = 0.2  # largest share of the frames before contact
 MAX_APPROACH_WAY = 0.12  # largest part of the row that closes before contact
+APPROACH_MARGIN = 0.02  # room beside bodies that come, in lengths of the row
 NOW_LINE = 2  # pixels
 CLOCK_HEIGHT = 19.0  # points, of the line above the caption
 WORDS_BESIDE = 0.2  # width of a caption beside the row, in widths of the film
@@ -95,7 +96,7 @@ class Animation:
         self.field = field
         self.times = times
         self.colours = colours()
-        self._look = copy_context()
+        self._context = copy_context()  # colours and style of the film
         shown = times[np.searchsorted(times, 0.0) :]  # without the approach
         start = float(shown[0])
         stop = float(shown[-1])
@@ -185,14 +186,23 @@ class Animation:
             self._captions.append(caption)
 
     def _show_approach(self, ax: Axes, layout: PictureLayout) -> None:
-        """Widen the axis of x so that bodies are inside before they touch."""
-        starts = []
+        """Widen the axis of x so that bodies are inside before they touch.
+
+        They come from the left or from the right, and are farthest in the first frame.
+        """
+        left_ends = []
+        right_ends = []
         for body in range(len(layout.left)):
             left_end = layout.end(body, is_right=False, t=self.times[0])
-            starts.append(float(left_end))
-        start = min(starts) - 0.02 * layout.row_length
-        left = start * self._bars.x_scale.factor
-        ax.set_xlim(left=min(ax.get_xlim()[0], left))
+            left_ends.append(float(left_end))
+            right_end = layout.end(body, is_right=True, t=self.times[0])
+            right_ends.append(float(right_end))
+        margin = APPROACH_MARGIN * layout.row_length
+        factor = self._bars.x_scale.factor
+        left = (min(left_ends) - margin) * factor
+        right = (max(right_ends) + margin) * factor
+        shown_left, shown_right = ax.get_xlim()
+        ax.set_xlim(min(shown_left, left), max(shown_right, right))
 
     def _write_notes(self, solution: Solution, times: Floats) -> None:
         """Write how slow the film is, what part it shows, and what the bars show."""
@@ -236,14 +246,15 @@ class Animation:
     def frame(self, number: int) -> NDArray[np.uint8]:
         """Picture [height, width, 3] of one frame, red, green and blue from 0 to 255.
 
-        Bodies and words are drawn over the kept pixels, and removed again.
+        Bodies and words are drawn over the kept pixels, and removed again. What lies
+        after the time of the frame in the growing panels is painted over.
         """
         t = float(self.times[number])
         self._canvas.restore_region(self._still)
         self._clock.set_text(self.clock(number))
         event = np.searchsorted(self._event_times, t, side="right")
         self._caption.set_text(self._captions[event])
-        self._look.run(self._draw_bodies, t)
+        self._context.run(self._draw_bodies, t)
         for ax in (self._row, self._words):
             self.figure.draw_artist(ax)
         for actor in [*self._row.collections, *self._row.patches, *self._row.lines]:

@@ -232,6 +232,20 @@ def test_rods_are_apart_in_the_approach(with_approach):
     assert tuple(in_gap) == WHITE
 
 
+def test_a_rod_that_comes_from_the_right_is_inside_before_it_touches():
+    target = ri.Rod(0.4, area=1e-4, material=ri.materials.steel)
+    striker = ri.Rod(0.4, area=1e-4, material=ri.materials.steel, velocity=-1.0)
+    solution = ri.solve(ri.System([target, striker]))
+
+    film = plot.animation(solution, frames=60, magnification=2000.0)
+
+    way = -2000 * film.times[0]
+    left, right = film.figure.axes[0].get_xlim()
+    assert way > 0.05
+    assert left < 0.0
+    assert right > 0.8 + way
+
+
 @pytest.mark.parametrize(
     ("time", "event"),
     [

@@ -398,6 +398,14 @@ def test_what_is_no_list_of_what_varies_is_refused(varied):
         ri.plot.sweep(result, varied=varied)
 
 
+def test_something_else_behind_what_varies_is_refused():
+    case = varied_case(**{"bodies.0.length": "1:2:3"})
+    result = ri.sweep(case.system, workers=1)
+
+    with pytest.raises(ri.InvalidModel, match="varied: must be the `varied` of the"):
+        ri.plot.sweep(result, varied=[*case.varied, 5])
+
+
 @pytest.fixture(scope="module")
 def map_picture(swept):
     """The coefficient of restitution over lengths and areas."""
