@@ -295,11 +295,11 @@ def read_body(table: Table, library: Materials) -> Body | None:
 
     None if the kind is missing or unknown. All mistakes are noted.
     """
-    given = table.get("kind")
-    if isinstance(given, str) and given.lower() in KIND_OF_WORD:
-        meant = KIND_OF_WORD[given.lower()]
+    word = table.get("kind")
+    if isinstance(word, str) and word.lower() in KIND_OF_WORD:
+        meant = KIND_OF_WORD[word.lower()]
         message = (
-            f"unknown kind {shown(given)}; use {meant!r}; a kind is rod, mass or wall"
+            f"unknown kind {shown(word)}; use {meant!r}; a kind is rod, mass or wall"
         )
         table.note_mistake("kind", message)
     kind = table.word("kind", BODIES)
@@ -654,13 +654,16 @@ def other_way_to_vary(path: str, top: Table) -> str:
             "write a case with each material, and solve each by `rodimpact run`, or "
             f"vary {path}.youngs_modulus"
         )
-    place = re.fullmatch(r"(contacts\.\d+)\.(\w+)", path)
-    if place is None or f"{place[1]}.restitution" not in top.reading.numbers:
+    number_path = re.fullmatch(r"(contacts\.\d+)\.(\w+)", path)
+    if (
+        number_path is None
+        or f"{number_path[1]}.restitution" not in top.reading.numbers
+    ):
         return ""  # the contact is not there, or it is not rigid
     laws = []
     for law, kind in CONTACT_LAWS.items():
-        if place[2] in kind.fields:
+        if number_path[2] in kind.fields:
             laws.append(f'"{law}"')
     if not laws:
         return ""
-    return f"give {place[1]} a law that has it, one of {listed(laws)}"
+    return f"give {number_path[1]} a law that has it, one of {listed(laws)}"

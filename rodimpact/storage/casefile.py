@@ -230,10 +230,10 @@ def _hint_at_quotes(text: str, reason: str) -> str:
 
     `reason` is the message of `tomllib`, which names the line.
     """
-    place = re.search(r"\(at line (\d+), column \d+\)", reason)
-    if place is None:
+    line_number = re.search(r"\(at line (\d+), column \d+\)", reason)
+    if line_number is None:
         return ""
-    line = text.split("\n")[int(place[1]) - 1]
+    line = text.split("\n")[int(line_number[1]) - 1]
     for match in BARE_VALUE.finditer(line):
         value = match["value"].strip()
         try:

@@ -222,13 +222,13 @@ def _source_of(path: str, text: Any, paths: Collection[str]) -> str:
     """
     if not isinstance(text, str):
         return ""
-    others = [name for name in paths if name != path]
-    for name in others:
+    other_names = [name for name in paths if name != path]
+    for name in other_names:
         parts = _parts_of_tie(text, name)
         if parts is not None:
-            _check_factors(path, text, parts, others)
+            _check_factors(path, text, parts, other_names)
             return name
-    for name in others:
+    for name in other_names:
         if _is_formula_of(text, name):
             message = (
                 f"must be a product with {name}, as FACTOR*{name} or {name}/DIVISOR, "
@@ -239,25 +239,26 @@ def _source_of(path: str, text: Any, paths: Collection[str]) -> str:
     names_number = CASE_NUMBER_PATTERN.search(text) is not None
     if names_number:  # and none that varies
         hint = "vary the number to which it is tied, too"
-        if others:
-            hint = f"write FACTOR*NAME with one of {listed(others)}"
+        if other_names:
+            hint = f"write FACTOR*NAME with one of {listed(other_names)}"
         message = f"is tied to nothing that varies, got {shown(text)}; {hint}"
         raise invalid_argument(path, message)
     return ""
 
 
 def _check_factors(
-    path: str, text: str, parts: TieParts, others: Collection[str]
+    path: str, text: str, parts: TieParts, other_names: Collection[str]
 ) -> None:
     """Raise InvalidModel for a product of two numbers of the case, or two variables.
 
-    The parts are those of the text at `path`, which ties that number to one of `others`
-    by a factor or a divisor. Only texts that are no amounts are taken for names.
+    The parts are those of the text at `path`, which ties that number to one of
+    `other_names` by a factor or a divisor. Only texts that are no amounts are taken for
+    names.
     """
     for part in (parts.factor, parts.operand):
         if part == "" or _is_amount(part):
             continue
-        for name in others:
+        for name in other_names:
             if _names(part, name):
                 message = f"is a product with {name}, which varies, too"
                 remedy = "tie it to one of both, and write a value for the other"
