@@ -354,7 +354,8 @@ class Row:
         masses = []
         speeds = []
         links = []
-        entering = None  # rod on the left of the node that is being made
+        # Lines and mobility of the rod on the left of the node that is being made
+        entering = None
         for i, body in enumerate(self.system.bodies):
             if i > 0:
                 links.append(self.links[i - 1])
@@ -363,12 +364,12 @@ class Row:
             speeds.append(0.0 if rod else body.velocity)
             if rod:
                 node = Node(links, masses, speeds)
-                self._join(node, entering, self._lines_of(body))
+                self._append_node(node, entering, self._lines_of(body))
                 entering = self.lines[-2], self.lines[-1], node.mobility[1]
                 masses = [None]
                 speeds = [0.0]
                 links = []
-        self._join(Node(links, masses, speeds), entering, None)
+        self._append_node(Node(links, masses, speeds), entering, None)
         for node in self.nodes:
             if node.links:
                 node.links[0].mobility += node.mobility[0]
@@ -385,12 +386,20 @@ class Row:
         self.lines += [to_right, to_left]
         return to_right, to_left, 1 / impedance
 
-    def _join(self, node, before, behind):
-        """Append a node between two rods, whose lines and mobilities these are."""
+    def _append_node(self, node, before, behind):
+        """Append a node between two rods, each given as by `_lines_of`; None where no
+        rod is.
+        """
         if before:
-            node.incoming[0], node.leaving[0], node.mobility[0] = before
+            to_right, to_left, mobility = before
+            node.incoming[0] = to_right
+            node.leaving[0] = to_left
+            node.mobility[0] = mobility
         if behind:
-            node.leaving[1], node.incoming[1], node.mobility[1] = behind
+            to_right, to_left, mobility = behind
+            node.incoming[1] = to_left
+            node.leaving[1] = to_right
+            node.mobility[1] = mobility
         self.nodes.append(node)
 
     def run(self, until):

@@ -74,8 +74,8 @@ def test_the_contact_of_the_box_lasts_two_transits_of_the_striker():
     start, end = only_contact(form)
     l1, _ = names("l")
     slowness = (STEEL.density / STEEL.youngs_modulus) ** 0.5
-    duration = float(end.subs(l1, 0.4))
     assert start == 0
+    duration = float(end.subs(l1, 0.4))
     assert duration == pytest.approx(0.8 * slowness, rel=1e-14)
 
 

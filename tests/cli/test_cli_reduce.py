@@ -89,14 +89,23 @@ def test_json_and_the_table_are_those_of_the_function(text_of):
     assert without_volume.rstrip("\n") == str(result)
 
 
-def test_a_table_and_a_figure_are_written_once(refuses):
-    outputs = ["--csv", "shot.csv", "--save", "shot.svg"]
+def test_a_table_and_a_figure_are_written_and_not_overwritten(refuses):
+    table = ["--csv", "shot.csv"]
+    figure = ["--save", "shot.svg"]
 
-    assert reduce(*ALL, *outputs, "--align-within", "2us") == 0
+    assert reduce(*ALL, *table, *figure) == 0
 
     assert "stress" in ri.read_signals("shot.csv")
     assert Path("shot.svg").read_text().startswith("<?xml")
-    refuses(["reduce", "bars.toml", RECORD, *ALL, "--csv", "shot.csv"], "--force")
+    again = ["reduce", "bars.toml", RECORD, *ALL]
+    remedy = "--force"  # named by the message
+    refuses([*again, *table], "shot.csv", remedy)
+    refuses([*again, *figure], "shot.svg", remedy)
+
+
+def test_a_limit_of_alignment_is_an_option(text_of):
+    printed = json.loads(text_of(*ALL, "--align-within", "2us", "--json"))
+    assert printed["alignment"]["limit"] == 2e-6
 
 
 # The gauge of the input bar, 762 mm long, is said to lie 200 mm from the specimen.

@@ -176,7 +176,7 @@ def data(case, swept):
     return json.loads(swept(*GRID, "--json"))
 
 
-def test_json_names_the_parameters(data):
+def test_json_has_schema_method_shape_and_the_varied_numbers(data):
     lengths, velocities = data["varied"]
     assert data["schema_version"] == 1
     assert data["method"] == "fronts"
@@ -186,6 +186,7 @@ def test_json_names_the_parameters(data):
         "unit": "m",
         "values": np.linspace(0.05, 1, 5).tolist(),
     }
+    assert velocities["path"] == "bodies.0.velocity"
     assert velocities["values"] == [-1, 1]
 
 

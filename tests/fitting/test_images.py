@@ -15,6 +15,7 @@ UNTIL = 1e-3  # s
 INTERVAL = 5e-7  # of a record, s
 TO_GAUGE = 0.3  # m, from the left end of a rod
 DIAMETER = 0.016  # m
+STRIKER_VELOCITY = 10.0  # m/s
 
 
 def metal(poisson_ratio):
@@ -29,7 +30,7 @@ def shot(poisson_ratio, end_stiffness=3e9, **theory):
     bar.
     """
     rods = []
-    for length, velocity in ((0.2, 10.0), (1.0, 0.0), (1.0, 0.0)):
+    for length, velocity in ((0.2, STRIKER_VELOCITY), (1.0, 0.0), (1.0, 0.0)):
         rods.append(
             ri.Rod(
                 length,
@@ -73,13 +74,15 @@ def test_without_dispersion_images_are_the_waves_of_characteristics(body):
 def test_images_follow_a_theory_of_dispersion_better_than_undispersed_waves():
     """The theory is Mindlin and Herrmann's, on a grid; the images use its forces."""
     theory = {"lateral_inertia": "mindlin-herrmann"}
-    dispersive = shot(0.3, end_stiffness=3e10, **theory)
+    dispersive = shot(poisson_ratio=0.3, end_stiffness=3e10, **theory)
     on_grid = ri.solve(dispersive, until=UNTIL, method="finite-difference", cells=700)
     strain = on_grid.gauge(1, TO_GAUGE).signal(INTERVAL)
-    by_characteristics = ri.solve(shot(0.3, end_stiffness=3e10), until=UNTIL)
+    by_characteristics = ri.solve(
+        shot(poisson_ratio=0.3, end_stiffness=3e10), until=UNTIL
+    )
     undispersed = by_characteristics.gauge(1, TO_GAUGE).signal(INTERVAL)
 
-    images = strain_by_images(on_grid, 1)
+    images = strain_by_images(on_grid, body=1)
 
     difference = relative_difference(images, strain)
     without_dispersion = relative_difference(undispersed, strain)
@@ -89,7 +92,7 @@ def test_images_follow_a_theory_of_dispersion_better_than_undispersed_waves():
 
 
 def test_the_first_passage_is_the_propagated_force():
-    solution = ri.solve(shot(0.3), until=UNTIL)
+    solution = ri.solve(shot(poisson_ratio=0.3), until=UNTIL)
     rod = solution.system.bodies[1]
     wave_speed = 5000.0  # m/s, sqrt(2e11/8000)
     times = np.arange(0.0, 3e-4, INTERVAL)
@@ -97,7 +100,7 @@ def test_the_first_passage_is_the_propagated_force():
     sent = ri.Signal(-solution.contacts[0].force(times) / stiffness, times)
     passing = sent.extended(1e-4, 1e-4).propagated(TO_GAUGE, rod)
 
-    images = strain_by_images(solution, 1)
+    images = strain_by_images(solution, body=1)
 
     # The wave is back at the gauge after 0.3 m and twice the other 0.7 m: 1.7 m.
     before_return = images.window(0.0, 1.65 / wave_speed)
@@ -106,11 +109,11 @@ def test_the_first_passage_is_the_propagated_force():
 
 
 @pytest.mark.exhaustive
-def test_a_fit_of_all_passages_finds_the_striker_and_one_of_the_first_misfits():
-    """The record holds three passages."""
-    true_row = shot(0.3)
+def test_a_fit_of_all_passages_finds_the_velocity_and_one_of_the_first_misfits():
+    """The record holds three passages of the wave past the gauge."""
+    true_row = shot(poisson_ratio=0.3)
     solution = ri.solve(true_row, until=UNTIL)
-    record = strain_by_images(solution, 1).window(0.0, 6e-4)
+    record = strain_by_images(solution, body=1).window(0.0, 6e-4)
     vary = {"bodies.0.velocity": (5.0, 20.0)}
     known = {"gauge": (1, 0.0), "distance": TO_GAUGE, "shift": 0.0, "gain": 1.0}
     misfits = {}
@@ -122,17 +125,17 @@ def test_a_fit_of_all_passages_finds_the_striker_and_one_of_the_first_misfits():
         misfits[passages] = best.misfits[0]
         velocities[passages] = best.values["bodies.0.velocity"]
 
-    assert velocities["all"] == pytest.approx(10.0, rel=1e-6)
+    assert velocities["all"] == pytest.approx(STRIKER_VELOCITY, rel=1e-6)
     assert misfits["all"] < 1e-6
     assert misfits["first"] > 0.1
 
 
 def test_a_rod_whose_end_is_held_has_no_images():
-    held = ri.System(shot(0.3).bodies[:2], ends=[ri.Free(), ri.Fixed()])
+    held = ri.System(shot(poisson_ratio=0.3).bodies[:2], ends=[ri.Free(), ri.Fixed()])
     solution = ri.solve(held, until=UNTIL)
 
     with pytest.raises(ri.InvalidModel, match=r"ends\.1: must be free, or touch"):
-        strain_by_images(solution, 1)
+        strain_by_images(solution, body=1)
 
 
 def test_passages_other_than_first_and_all_are_refused():

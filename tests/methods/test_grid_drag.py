@@ -26,8 +26,9 @@ def standing_wave(drag, mean_velocity=0.0):
 def amplitude(t, damping):
     """Velocity of the mode at x = 0 by the telegraph equation u_tt + d u_t = u_xx.
 
-    It is 1 at t = 0. The displacement is exp(-d t/2) sin(w t)/w with w^2 = pi^2 -
-    d^2/4: an oscillation or, where w^2 < 0, a motion that creeps back.
+    It is 1 at t = 0. The displacement, whose derivative it is, is exp(-d t/2) sin(w t)/w
+    with w^2 = pi^2 - d^2/4: an oscillation or, where w^2 < 0, a motion that creeps back.
+    The damping must not be 2 pi, where w = 0.
     """
     w = np.sqrt(complex(math.pi**2 - damping**2 / 4))
     decay = np.exp(-damping * t / 2)

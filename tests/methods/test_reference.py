@@ -26,7 +26,7 @@ class Signal:
         self.times = []
         self.values = []
 
-    def send(self, t, value):
+    def set_from(self, t, value):
         """Take on a value from time t on, which is later than all before."""
         if not self.values or value != self.values[-1]:
             self.times.append(t)
@@ -76,14 +76,16 @@ class Segment:
         cuts = sorted(x - left for x in state.cuts if left < x < right)
         edges = [Fraction(0), *(x / self.c for x in cuts), self.T]
         parts = list(pairwise(edges))  # in transit time from the left end
+        # The wave b that is at t0 from the left end now left the right end at t0 - T.
         for t0, t1 in parts:
             middle = left + self.c * (t0 + t1) / 2
             velocity, strain = state(middle)
-            self.b.send(t0 - self.T, velocity + self.c * strain)
+            self.b.set_from(t0 - self.T, velocity + self.c * strain)
+        # The wave a that is at t1 now left the left end at -t1: the farthest first.
         for t0, t1 in reversed(parts):
             middle = left + self.c * (t0 + t1) / 2
             velocity, strain = state(middle)
-            self.a.send(-t1, velocity - self.c * strain)
+            self.a.set_from(-t1, velocity - self.c * strain)
 
 
 class InitialState:
@@ -185,9 +187,9 @@ class Reference:
         self.force[k] = F
         self.rate[k] = rate
         if left:
-            left.b.send(self.t, a - 2 * F / left.Z)
+            left.b.set_from(self.t, a - 2 * F / left.Z)
         if right:
-            right.a.send(self.t, b + 2 * F / right.Z)
+            right.a.set_from(self.t, b + 2 * F / right.Z)
 
     def next_time(self, until):
         """When the next wave arrives or the next gap closes."""

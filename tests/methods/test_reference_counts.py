@@ -98,9 +98,10 @@ def reference_counts(method):
 
 
 @pytest.fixture(scope="module", autouse=True)
-def newest_numba():
+def only_with_newest_numba():
     """Skip where no numba compiles, or one older than `NEWEST_NUMBA`."""
-    if kernels.why_not():
+    why_not_compiled = kernels.why_not()
+    if why_not_compiled:
         pytest.skip("nothing is compiled")
     version = compiling.compiler().__version__
     numbers = tuple(int(part) for part in version.split(".")[:2])

@@ -167,7 +167,7 @@ def test_colour_limits_are_symmetric_about_rest_and_hold_all_values(
 
     at_rest = 0.0
     if (name, field) == ("drifting", "velocity"):
-        at_rest = 100.0
+        at_rest = 100.0  # m/s, of the drift
     norm = picture.regions.norm
     values = picture.regions.get_array()
     assert (norm.vmin + norm.vmax) / 2 == pytest.approx(at_rest, abs=1e-9)

@@ -194,13 +194,17 @@ def ramp_record(rest, rise, end):
 
 
 def test_as_much_rest_as_the_rise_is_enough():
-    """400 us of rest before a ramp of 400 us, which a stiff specimen transmits."""
+    """400 us of rest before a ramp of 400 us, to find where it begins.
+
+    A stiff specimen transmits the ramp.
+    """
     record = ramp_record(rest=400e-6, rise=400e-6, end=5e-3)
     metal = ri.Material("metal", youngs_modulus=2e11, density=8e3)
     bar = ri.Rod(8.0, area=1e-4, material=metal)
-    travel = 2 * 3.9 / 5000.0  # s, from one gauge to the other
-    on_input = ri.BarGauge(record, 3.9)
-    on_output = ri.BarGauge(record.shifted(travel), 3.9)
+    distance = 3.9  # m, from a gauge to the specimen
+    travel = 2 * distance / metal.wave_speed  # s, from one gauge to the other
+    on_input = ri.BarGauge(record, distance)
+    on_output = ri.BarGauge(record.shifted(travel), distance)
 
     result = ri.reduce(on_input, on_output, bar, ri.Specimen(5e-3, area=1e-4))
 

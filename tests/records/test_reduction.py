@@ -939,7 +939,7 @@ def test_forces_out_of_balance_are_doubted(shot, gain, limit):
 
 
 @pytest.mark.parametrize(
-    ("specimen", "part"),
+    ("specimen", "message_part"),
     [
         (
             ri.Specimen(3.204, diameter=6.34e-3),
@@ -953,12 +953,12 @@ def test_forces_out_of_balance_are_doubted(shot, gain, limit):
         ),
     ],
 )
-def test_a_specimen_in_millimetres_given_as_metres_is_doubted(specimen, part):
+def test_a_specimen_in_millimetres_given_as_metres_is_doubted(specimen, message_part):
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", ri.DoubtfulReduction)
         found = ri.reduce(*measured_gauges(), BAR, specimen, compression="positive")
 
-    assert has(found.doubts, part)
+    assert has(found.doubts, message_part)
 
 
 def test_a_single_wrong_sample_above_the_pulse_is_named_with_its_time():

@@ -29,9 +29,8 @@ def pair(lengths, areas, velocity=1.0):
     return ri.System([striker, ri.Rod(1.0, area=areas, material=STEEL)])
 
 
-def small_map(shape=(7, 5)):
-    """A family [striker, struck rod]: lengths of the one, areas of the other."""
-    n_lengths, n_areas = shape
+def small_map(n_lengths=7, n_areas=5):
+    """A family [length of the striker, area of the struck rod]."""
     lengths = np.linspace(0.1, 1.3, n_lengths)[:, None]
     areas = np.geomspace(2e-5, 8e-4, n_areas)
     return pair(lengths, areas)
@@ -105,9 +104,9 @@ def assert_same_vibration(member, outcome):
 
 
 def test_restitution_and_impulse_of_a_map_equal_the_closed_form():
-    system = small_map((60, 50))
-    striker = system.bodies[0].segments[0]
-    struck = system.bodies[1].segments[0]
+    family = small_map(n_lengths=60, n_areas=50)
+    striker = family.bodies[0].segments[0]
+    struck = family.bodies[1].segments[0]
     exact = theory.saint_venant(
         striker.impedance,
         striker.transit_time,
@@ -116,7 +115,7 @@ def test_restitution_and_impulse_of_a_map_equal_the_closed_form():
         closing_speed=1.0,
     )
 
-    result = ri.sweep(system)
+    result = ri.sweep(family)
 
     assert result.shape == (60, 50)
     assert np.abs(result.restitution - exact.restitution).max() < 1e-11
@@ -252,13 +251,13 @@ def test_members_of_any_chunk_are_those_of_the_family(monkeypatch, most):
 @pytest.mark.parametrize("method", ["fronts", "characteristics"])
 def test_columns_are_the_same_bits_whatever_the_number_of_workers(method):
     """Energies of vibration too, whose sums depend on how members are run."""
-    system = small_map((6, 2))
-    one_worker = ri.sweep(system, method, workers=1)
+    family = small_map(n_lengths=6, n_areas=2)
+    one_worker = ri.sweep(family, method, workers=1)
 
     for workers in (2, 3, 12):
-        result = ri.sweep(system, method, workers=workers)
+        result = ri.sweep(family, method, workers=workers)
         assert have_same_bits(result, one_worker)
-    parts = [ri.sweep(system[i], method, workers=1) for i in range(6)]
+    parts = [ri.sweep(family[i], method, workers=1) for i in range(6)]
     for name, column in one_worker.columns.items():
         columns = [part.columns[name] for part in parts]
         assert np.array_equal(column, columns, equal_nan=True)
@@ -320,8 +319,8 @@ def test_members_that_outgrow_the_log_have_the_same_bits(monkeypatch, is_compile
 
 @pytest.mark.skipif(not kernels.enabled(), reason="compiling is disabled")
 def test_blocks_may_run_in_plain_python_and_then_compiled(monkeypatch):
-    system = small_map((10, 10))
-    plain = ri.sweep(system)
+    family = small_map(n_lengths=10, n_areas=10)
+    plain = ri.sweep(family)
     seconds_ahead = []
 
     def in_turns(seconds, kernel, ahead=0.0):
@@ -333,7 +332,7 @@ def test_blocks_may_run_in_plain_python_and_then_compiled(monkeypatch):
     monkeypatch.setattr("rodimpact.methods.fronts.driver.FIRST_BLOCK_SIZE", 8)
     monkeypatch.setattr(kernels, "worth_compiling", in_turns)
 
-    result = ri.sweep(system, workers=1)
+    result = ri.sweep(family, workers=1)
 
     assert have_same_bits(result, plain)
     assert len(seconds_ahead) > 9  # members ran in ten blocks or more
@@ -435,9 +434,11 @@ TIMES = np.linspace(0.0, 4e-4, 41)
 @pytest.mark.parametrize(
     ("system", "options", "gauges"),
     [
-        pytest.param(small_map((3, 2)), {"until": 3e-4}, PLACES, id="four gauges"),
         pytest.param(
-            small_map((3, 2)),
+            small_map(n_lengths=3, n_areas=2), {"until": 3e-4}, PLACES, id="four gauges"
+        ),
+        pytest.param(
+            small_map(n_lengths=3, n_areas=2),
             {},
             [(1, 0.7)],
             id="to the end",
@@ -505,7 +506,9 @@ def test_wrong_gauges_and_times_are_named(options, path):
 @pytest.fixture(scope="module")
 def with_gauge():
     """A family of shape (3, 2) with one gauge."""
-    return ri.sweep(small_map((3, 2)), until=3e-4, gauges=[(1, 0.5)], times=TIMES)
+    return ri.sweep(
+        small_map(n_lengths=3, n_areas=2), until=3e-4, gauges=[(1, 0.5)], times=TIMES
+    )
 
 
 def test_gauges_are_saved_and_loaded_bit_for_bit(tmp_path, with_gauge):
@@ -603,19 +606,19 @@ def small_chunks(monkeypatch):
 
 
 def test_every_executor_gives_the_same_bytes(small_chunks):
-    system = small_map()
-    serial = ri.sweep(system, executor=SerialExecutor())
+    family = small_map()
+    serial = ri.sweep(family, executor=SerialExecutor())
     with kernels.forced(compiling=True):
-        compiled = ri.sweep(system)
+        compiled = ri.sweep(family)
     assert have_same_bits(compiled, serial)
 
     readings = {"until": 3e-4, "gauges": [(0, 0.05), (1, 0.5)], "times": TIMES}
-    serial_readings = ri.sweep(system, executor=SerialExecutor(), **readings)
+    serial_readings = ri.sweep(family, executor=SerialExecutor(), **readings)
     spawn = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(1, mp_context=spawn) as pool:
         for runner in ({"workers": 1}, {"workers": 5}, {"executor": pool}):
-            result = ri.sweep(system, **runner)
-            result_with_readings = ri.sweep(system, **readings, **runner)
+            result = ri.sweep(family, **runner)
+            result_with_readings = ri.sweep(family, **readings, **runner)
             strain = result_with_readings.strain
             assert have_same_bits(result, serial)
             assert have_same_bits(result_with_readings, serial_readings)
@@ -625,8 +628,8 @@ def test_every_executor_gives_the_same_bytes(small_chunks):
 @pytest.mark.exhaustive
 def test_a_dask_cluster_gives_the_same_bytes(small_chunks):
     distributed = pytest.importorskip("distributed")
-    system = small_map()
-    serial = ri.sweep(system, executor=SerialExecutor())
+    family = small_map()
+    serial = ri.sweep(family, executor=SerialExecutor())
     with warnings.catch_warnings(), np.errstate(all="ignore"):
         warnings.simplefilter("ignore")
         with (
@@ -638,7 +641,7 @@ def test_a_dask_cluster_gives_the_same_bytes(small_chunks):
             ) as cluster,
             distributed.Client(cluster) as client,
         ):
-            result = ri.sweep(system, executor=client.get_executor())
+            result = ri.sweep(family, executor=client.get_executor())
     assert have_same_bits(result, serial)
 
 
@@ -650,7 +653,7 @@ def test_progress_counts_collisions(small_chunks):
         assert total == members
         counts.append(done)
 
-    ri.sweep(small_map((7, 5)), progress=note)
+    ri.sweep(small_map(n_lengths=7, n_areas=5), progress=note)
 
     assert counts == sorted(counts)
     assert counts[-1] == members
@@ -674,7 +677,7 @@ def test_axes_and_parameters_have_the_names_of_a_case_file():
 
 
 def test_csv_holds_every_digit(tmp_path):
-    result = ri.sweep(small_map((3, 2)))
+    result = ri.sweep(small_map(n_lengths=3, n_areas=2))
     path = tmp_path / "map.csv"
 
     result.to_csv(path)
@@ -695,7 +698,7 @@ def test_csv_holds_every_digit(tmp_path):
 @pytest.fixture(scope="module")
 def map_of_six():
     """A swept family of shape (3, 2)."""
-    return ri.sweep(small_map((3, 2)))
+    return ri.sweep(small_map(n_lengths=3, n_areas=2))
 
 
 def test_a_family_shows_its_shape_and_axes(map_of_six):
@@ -922,15 +925,15 @@ def test_wrong_readings_are_refused(also, message):
 
 
 def test_a_sweep_runs_where_no_thread_can_start(monkeypatch, small_chunks):
-    system = small_map()
-    threaded = ri.sweep(system)
+    family = small_map()
+    threaded = ri.sweep(family)
 
     def refuses(thread):
         raise RuntimeError("can't start new thread")
 
     monkeypatch.setattr("threading.Thread.start", refuses)
 
-    without_threads = ri.sweep(system)
+    without_threads = ri.sweep(family)
 
     assert have_same_bits(without_threads, threaded)
 

@@ -78,7 +78,8 @@ def test_of_many_writers_one_writes(tmp_path, file_system):
     assert os.listdir(tmp_path) == ["a"]
 
 
-WAITING = """
+# Asks for a file of the name "a", and waits when it is half written
+WRITES_HALF_THEN_WAITS = """
 import sys
 from rodimpact.storage.writing import open_for_writing
 with open_for_writing("a") as file:
@@ -88,15 +89,15 @@ with open_for_writing("a") as file:
 """
 
 
-@pytest.mark.parametrize("name", few_of(["SIGTERM", "SIGINT"], ["SIGINT"]))
+@pytest.mark.parametrize("signal_name", few_of(["SIGTERM", "SIGINT"], ["SIGINT"]))
 @pytest.mark.usefixtures("children_hear_signals")
 def test_a_half_written_file_never_bears_the_name_and_an_interrupt_removes_it(
-    tmp_path, name
+    tmp_path, signal_name
 ):
-    if not hasattr(signal, name):
-        pytest.skip(f"no {name} here")
+    if not hasattr(signal, signal_name):
+        pytest.skip(f"no {signal_name} here")
     with subprocess.Popen(
-        [sys.executable, "-c", WAITING],
+        [sys.executable, "-c", WRITES_HALF_THEN_WAITS],
         cwd=tmp_path,
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
@@ -104,16 +105,16 @@ def test_a_half_written_file_never_bears_the_name_and_an_interrupt_removes_it(
         text=True,
     ) as process:
         assert process.stdout.readline() == "ready\n"
-        (half,) = os.listdir(tmp_path)
-        number = getattr(signal, name)
+        (half_written,) = os.listdir(tmp_path)
+        number = getattr(signal, signal_name)
         process.send_signal(number)
         assert process.wait(10) == -number
-    assert half != "a"
-    if name == "SIGINT":
+    assert half_written != "a"
+    if signal_name == "SIGINT":
         assert os.listdir(tmp_path) == []
     else:
         # A process that is ended at once cannot clear up.
-        assert os.listdir(tmp_path) == [half]
+        assert os.listdir(tmp_path) == [half_written]
 
 
 def test_a_directory_where_one_may_not_write_is_told_before(tmp_path, monkeypatch):
