@@ -194,9 +194,9 @@ def ramp_record(rest, rise, end):
 
 
 def test_as_much_rest_as_the_rise_is_enough():
-    """400 us of rest before a ramp of 400 us, to find where it begins.
+    """400 us of rest before a ramp of 400 us, which a stiff specimen transmits.
 
-    A stiff specimen transmits the ramp.
+    The level and noise of the records are those of their rest.
     """
     record = ramp_record(rest=400e-6, rise=400e-6, end=5e-3)
     metal = ri.Material("metal", youngs_modulus=2e11, density=8e3)
