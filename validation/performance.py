@@ -125,6 +125,7 @@ def leapfrog(
     first, second = velocities
     gap = 0.0
     impulse = 0.0
+    # One round trip of the longer rod, and a margin.
     for _ in range(round(2.1 * max(lengths) / h)):
         for v, sigma in zip(velocities, stresses, strict=True):
             sigma += v[1:] - v[:-1]
@@ -136,7 +137,7 @@ def leapfrog(
             first[-1] -= closing / 2
             second[0] += closing / 2
             impulse += closing / 4 * h  # mass h/2 times closing/2
-            closing = 0.0
+            closing = 0.0  # the nodes move together, and the gap stays
         gap = max(0.0, gap - closing * h)
     return restitution_of(impulse, *lengths)
 

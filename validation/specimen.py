@@ -135,26 +135,31 @@ def fitted(
     return ri.fit(system, [reflected, transmitted], bounds, UNTIL, starts=starts)
 
 
-def misfits(name: str, fit: ri.Fit, reflected: float, transmitted: float) -> Rows:
-    """Misfits of both pulses in per cent; `reflected` and `transmitted` bound them."""
+def misfits(
+    name: str, fit: ri.Fit, max_reflected: float, max_transmitted: float
+) -> Rows:
+    """Misfits of both pulses, per cent, and their bounds."""
     case = Case(name, "measured, LANL HopPyBar")
-    reflected_misfit = 100 * fit.misfits[0]
-    transmitted_misfit = 100 * fit.misfits[1]
-    yield case.row("misfit of the reflected pulse, %", 0.0, reflected_misfit, reflected)
+    reflected = 100 * fit.misfits[0]
+    transmitted = 100 * fit.misfits[1]
+    yield case.row("misfit of the reflected pulse, %", 0.0, reflected, max_reflected)
     yield case.row(
-        "misfit of the transmitted pulse, %", 0.0, transmitted_misfit, transmitted
+        "misfit of the transmitted pulse, %", 0.0, transmitted, max_transmitted
     )
 
 
 def run() -> Rows:
-    """A yielding specimen without and with dispersion in the bars, and a spring."""
+    """Misfits of fits to the measured pulses: a yielding specimen, and a spring.
+
+    The yielding specimen is fitted without and with dispersion in the bars.
+    """
     copper = ri.Yielding(stiffness=1e8, yield_force=5e3, hardening=1e6)
     yielding = fitted(copper, starts=3)
     name = "copper specimen, yielding"
-    yield from misfits(name, yielding, reflected=5.2, transmitted=2.5)
+    yield from misfits(name, yielding, max_reflected=5.2, max_transmitted=2.5)
     dispersed = fitted(copper, dispersion=True)
     name = "copper specimen, yielding, dispersion"
-    yield from misfits(name, dispersed, reflected=3.0, transmitted=2.3)
+    yield from misfits(name, dispersed, max_reflected=3.0, max_transmitted=2.3)
     spring = fitted(ri.Spring(1e8))
     name = "copper specimen, spring"
-    yield from misfits(name, spring, reflected=22.0, transmitted=20.0)
+    yield from misfits(name, spring, max_reflected=22.0, max_transmitted=20.0)

@@ -295,11 +295,13 @@ class Atlas:
 
     def locate(self, x: ArrayLike, y: ArrayLike) -> NDArray[np.int64]:
         """Index of the cell in which each point lies, -1 for what is unresolved."""
+        # In any unit, and of any sign.
         xs, ys = broadcast_arguments(x=(x, "", ""), y=(y, "", ""))
         return locate(self.cells, xs, ys)
 
     def restitution(self, x: ArrayLike, y: ArrayLike) -> Floats:
         """e at points, by the formula of their cell; nan where there is none."""
+        # In any unit, and of any sign.
         xs, ys = broadcast_arguments(x=(x, "", ""), y=(y, "", ""))
         cell_of_point = self.locate(xs, ys)
         e = np.full(xs.shape, np.nan)

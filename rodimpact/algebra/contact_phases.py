@@ -134,7 +134,8 @@ def phase_conditions(phase: ContactPhase, in_order: bool) -> list[TracedFraction
     """Numbers that are positive as long as a contact keeps its status in this phase.
 
     They are closing velocities or gaps, and differences of ticks: jumps stay between
-    start and end of the phase, and with `in_order` in their order.
+    start and end of the phase, and with `in_order` in their order. Only jumps that came
+    before count in a velocity or a gap, so the order matters there, too.
     """
     conditions = _status_conditions(phase, in_order)
     ticks = [phase.start]
@@ -149,7 +150,7 @@ def phase_conditions(phase: ContactPhase, in_order: bool) -> list[TracedFraction
     for tick in ticks[1:]:  # ticks of the jumps
         conditions.append(tick - phase.start)
     if phase.end is not None:
-        for tick in ticks:  # the start is one of them, so that the phase lasts
+        for tick in ticks:  # also the start: the phase lasts longer than 0
             conditions.append(phase.end - tick)
     return conditions
 

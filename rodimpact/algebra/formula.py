@@ -398,7 +398,10 @@ class ClosedForm:
 
     @cached_property
     def _ties(self) -> Ties:
-        """Ties of all cells of the formula; p is inner if another cell has -p."""
+        """Borders p = 0 of all cells on which the numbers of the system lie.
+
+        Such a border is inner if another cell of the formula has it as -p.
+        """
         ties: set[Any] = set()
         for cell in self._cells:
             ties |= set(cell.ties)

@@ -58,17 +58,17 @@ class RationalFunctions:
         self, row: SymbolicRow, progress: bool | ProgressFunction = True
     ) -> None:
         """Import SymPy, and make its field of rational functions of the row's names."""
-        self.sympy: Any = optional("sympy", "sympy")
+        self.sympy: Any = optional("sympy", extra="sympy")
         self.row = row
         self.base_values = row.values({})
         names = [*row.base, *row.wave_speeds]
         self._field, *generators = self.sympy.polys.fields.field(names, self.sympy.ZZ)
         self._generators = dict(zip(names, generators, strict=True))
-        self._shown_generators = self._display_symbols()
+        self._symbols = self._symbols_for_users()
         self._progress = progress
         self._steps = 0  # operations and polynomials so far
 
-    def _display_symbols(self) -> list[Any]:
+    def _symbols_for_users(self) -> list[Any]:
         """Symbols as users see them, in the order of the names; c as sqrt(E/rho).
 
         All of them but velocities are positive for SymPy, so that roots simplify.
@@ -227,7 +227,7 @@ class RationalFunctions:
 
     def expression_of_polynomial(self, p: Any) -> Any:
         """A polynomial as SymPy's expression, in factors unless it is long."""
-        shown = p.as_expr(*self._shown_generators)
+        shown = p.as_expr(*self._symbols)
         if len(p) > MAX_FACTORED_TERMS:
             return shown
         return self.sympy.factor(shown)

@@ -264,12 +264,16 @@ def _draw(comparisons: dict[str, Comparison], plot: Any) -> Any:
     from ..plot.records import side_by_side
 
     pairs = side_by_side(len(comparisons))
-    for pair, comparison in zip(pairs, comparisons.values(), strict=True):
+    for signal_and_residual, comparison in zip(
+        pairs, comparisons.values(), strict=True
+    ):
         measured = comparison.measured
         predicted = comparison.predicted
-        scale = None  # a gain between different units is free in the figure, too
+        scale = None  # free in the figure, as a gain between different units is
         if measured.unit == predicted.unit:
             scale = comparison.misfit.scale
         shift = comparison.misfit.shift
-        plot.comparison(measured, predicted, pair, shift=shift, scale=scale)
+        plot.comparison(
+            measured, predicted, signal_and_residual, shift=shift, scale=scale
+        )
     return pairs[0][0]

@@ -119,10 +119,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: Arguments) -> CommandResult:
-    """Check all arguments, reduce, write the files; table or JSON."""
+    """Check all arguments, reduce, write the files; table or JSON.
+
+    With --strict, doubts make the exit status INCOMPLETE.
+    """
     case = args.read_case()
+    # Whether pulses are given that were cut out of their records.
     is_cut = any(getattr(args, name) is not None for name in PULSES)
-    if is_cut:  # pulses that were cut out of their records
+    if is_cut:
         positions = _positions_of_pulses(args, case)
     else:
         positions = gauge_options.gauge_positions(args, case)
@@ -148,9 +152,9 @@ def run(args: Arguments) -> CommandResult:
             )
         )
     signals = record_options.read_record(args, positions)
-    if args.bridge is None:
+    if args.bridge is None:  # a bridge makes strains of voltages
         _check_units(args, positions, signals)
-    args.check_outputs("csv", "save", figure="save")
+    args.check_outputs("csv", "save", figure="save")  # raises all problems so far
     reduction = _reduce(args, case, specimen, positions, signals)
     status = args.write(
         csv=reduction.to_csv, save=figure_writer(lambda plot: plot.reduction(reduction))

@@ -32,7 +32,7 @@ def with_gauges(case: Case) -> Case:
     """
     rods = [i for i, body in enumerate(case.system.bodies) if isinstance(body, Rod)]
     if not rods:
-        file = case.path or "CASE.toml"  # no path: a system that was given
+        file = case.path or "CASE.toml"  # a system that was given has no path
         message = (
             "needs at least one rod, whose waves the page shows; for rigid masses "
             f"`rodimpact run {file} --plot FILE.png` draws the "

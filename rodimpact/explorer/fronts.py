@@ -104,8 +104,8 @@ def run_from_start(run: PageRun) -> None:
 # Waves --------------------------------------------------------------------------------
 
 
-def motion_of(run: PageRun) -> Any:
-    """The motion of a run as `motion` describes it; its waves are constant pieces.
+def motion_of_fronts(run: PageRun) -> Any:
+    """Motion of a run, a dictionary (see the module `motion`), of constant waves.
 
     If the page could not draw all regions, its end ``now`` is a half, a quarter and so
     on of the run. The entry ``rods`` has the same waves in the form of `polygons_of`.
@@ -341,17 +341,19 @@ def solve_by_fronts(system: Any, request: Any) -> Any:
     Returns
     -------
     dict
-        The solution, in the form that `solved.scene_of_solution` takes; or a
-        ``problem``, path and sentence, with ``advice`` to users of Python.
+        The solution, in the form that `solved.scene_of_solution` takes; or, if it has
+        no result or nothing to show, a ``problem``, path and sentence, with ``advice``
+        to users of Python.
     """
     run = new_run(lay_out_family(build_row(system)))
-    run_to_end(request, True, run)  # also past the proof
+    run_past_proof = True  # shows a round trip after the proof that it is final
+    run_to_end(request, run_past_proof, run)
     record = run.record
-    if record.stop_reason >= Stop.OVERFLOW:
+    if record.stop_reason >= Stop.OVERFLOW:  # there is no result
         return {"problem": ("bodies", TOO_FAR_APART), "advice": ""}
     outcome = outcome_of(run, status_of(run))
-    motion = motion_of(run)
-    stop = motion["now"]
+    motion = motion_of_fronts(run)
+    stop = motion["now"]  # the end of the run, halved until all regions can be drawn
     tick = motion["tick"]
     if stop == 0:
         message = "has too many fronts to show"

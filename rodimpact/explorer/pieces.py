@@ -424,7 +424,7 @@ def solve_by_pieces(
     outcome = outcome_of(run, run["errors"], status_of(run))
     if run["now"] == 0:
         return {"problem": ("solve", f"lasts no time to show. {outcome['status']}")}
-    motion = motion_of(run)
+    motion = motion_of_pieces(run)
     motion["draft"] = tolerance > RTOL
     return {
         "motion": motion,
@@ -437,16 +437,21 @@ def solve_by_pieces(
     }
 
 
-def motion_of(run: Any) -> Any:
-    """The motion of a run as `motion` describes it."""
+def motion_of_pieces(run: Any) -> Any:
+    """Motion of a run, a dictionary (see the module `motion`), of smooth waves.
+
+    The line `history_line` of a link has its force, the next line its overlap.
+    """
     row = run["row"]
     clock = run["clock"]
     links = run["ended"].links
     waves = reading.waves_of(run["log"], run["lines"])
     springs = []
     for i in row.contact_link:
-        if links[i].law >= Law.SPRING:  # the link has an overlap
-            springs.append((links[i], waves[links[i].history_line + 1]))
+        link = links[i]
+        if link.law >= Law.SPRING:  # the link has an overlap
+            overlap = waves[link.history_line + 1]
+            springs.append((link, overlap))
     return {
         "row": row,
         "tick": clock.tick,
@@ -464,7 +469,7 @@ def motion_of(run: Any) -> Any:
 def contact_curves(run: Any, motion: Any) -> list[Any]:
     """Curves of the force, N, and of the gap, m, of each contact; no gap for a bond.
 
-    The line `history_line` of a link has its force, the next line its overlap.
+    The lines of a link are those that `motion_of_pieces` describes.
     """
     row = run["row"]
     waves = motion["waves"]

@@ -192,12 +192,15 @@ def events_of_contact(facts: Any, contact: Any) -> str:
 def end_of_smooth_force(facts: Any, contact: Any, presses: list[Any]) -> str:
     """Words on the force of a smooth solution: its duration, and its weak tail.
 
-    No single wave ends the force of a compliant contact. A rigid contact has a smooth
-    solution too if a body is a rigid mass, or if the case names characteristics.
+    If the contact is compliant, it says that no single wave ends the force. (A rigid
+    contact comes here too if a body is a rigid mass, or if the case names
+    characteristics.)
     """
     start = presses[0]["from"]
     duration = presses[-1]["to"] - start
-    if len(presses) == 1:  # the outcome has it more exactly than the curve
+    # The outcome has it more exactly than the curve, but without the time between two
+    # presses.
+    if len(presses) == 1:
         duration = facts["outcome"]["contacts"][contact["index"]].duration
     time = format_quantity(duration, "s", 4)
     text = f"The force has fallen to zero {time} after the first touch"

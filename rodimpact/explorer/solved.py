@@ -108,7 +108,8 @@ def restitution_of_case(case: Any, library: Any, seconds: float = math.inf) -> A
         no_errors = [0.0] * 5
         return pieces.outcome_of(run, no_errors, "")["restitution"]
     run = fronts.new_run(lay_out_family(row))
-    fronts.run_to_end(request, False, run)  # not past the proof
-    if run.record.stop_reason >= Stop.OVERFLOW:
+    run_past_proof = False  # e is final by then
+    fronts.run_to_end(request, run_past_proof, run)
+    if run.record.stop_reason >= Stop.OVERFLOW:  # there is no result
         return None
     return fronts.outcome_of(run, "")["restitution"]

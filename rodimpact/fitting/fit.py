@@ -286,7 +286,7 @@ def _checked_additions(
 def _checked_records(measured: Any) -> list[Measured]:
     """The records, or the one record, as a list; InvalidModel for anything else."""
     records = [measured]
-    if isinstance(measured, list | tuple) and measured:
+    if isinstance(measured, list | tuple) and measured:  # an empty one is refused below
         records = list(measured)
     for record in records:
         check_kind("measured", record, Measured, "Measured(signal, gauge=(1, 0.5))")

@@ -114,7 +114,7 @@ def _images(
         for path, sign in ((distance, 1.0), (2 * length - distance, -1.0)):
             travelled = round_trips + path
             shift = np.exp(-2j * np.pi * frequencies * travelled / bar.wave_speed)
-            # The filter delays from the arrival of long waves on.
+            # `first_mode` adds only the delay beyond the arrival of long waves.
             gain += sign * shift * filters.first_mode(frequencies, travelled, bar)
         round_trips += 2 * length
     return gain

@@ -68,14 +68,17 @@ def notes_on_numbers(
 
 
 def _notes_on_bounds(number: Fitted) -> Iterator[str]:
-    """Notes on a number that lies at one of its bounds, if it has both."""
-    if not number.high - number.low < np.inf:
+    """Notes on a number that lies at one of its bounds, if it has both.
+
+    At a bound is within the share `AT_BOUND` of the range, see `share_of_range`.
+    """
+    if np.isinf(number.high - number.low):
         return
     share = share_of_range(number.value, number.low, number.high)
     if share <= AT_BOUND:
-        yield _bound_sentence(number, number.low, "lower")
+        yield _bound_sentence(number, number.low, remedy="lower")
     if 1.0 - share <= AT_BOUND:
-        yield _bound_sentence(number, number.high, "raise")
+        yield _bound_sentence(number, number.high, remedy="raise")
 
 
 def _bound_sentence(number: Fitted, bound: float, remedy: str) -> str:

@@ -320,7 +320,9 @@ def _named(ax: Axes) -> list[artist.Artist]:
     artists, names = ax.get_legend_handles_labels()
     named: list[artist.Artist] = []
     for each, name in zip(artists, names, strict=True):
-        if name != CLOSED_FORM or name not in [other.get_label() for other in named]:
+        names_so_far = [other.get_label() for other in named]
+        is_again = name == CLOSED_FORM and name in names_so_far
+        if not is_again:
             named.append(each)
     return named
 

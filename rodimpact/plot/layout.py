@@ -134,15 +134,16 @@ class PictureLayout:
     def point(self, body: int, x: ArrayLike, t: ArrayLike) -> Floats:
         """Position X, m, of points of a body, x m from its left end, at t, s.
 
-        Before t = 0 bodies come as they are at t = 0, with their velocity.
+        Displacements are magnified and seen from the frame, see `position`. Before t =
+        0 bodies come as they are at t = 0, with their velocity.
         """
         velocity = self.solution.outcome.velocities_before[body]
-        before = np.minimum(t, 0.0) * velocity
-        inside = x
+        approach = np.minimum(t, 0.0) * velocity
+        displaced_x = x
         if not isinstance(self.solution.system.bodies[body], Rod):
-            inside = np.zeros_like(x)  # the block of a mass moves as one
-        after = self.solution.displacement(body, inside, np.maximum(t, 0.0))
-        return self.position(body, x, t, after + before)
+            displaced_x = np.zeros_like(x)  # the block of a mass moves as one
+        displacement = self.solution.displacement(body, displaced_x, np.maximum(t, 0.0))
+        return self.position(body, x, t, displacement + approach)
 
     def end(self, body: int, is_right: bool, t: ArrayLike) -> Floats:
         """Position X of the left or right end of a body at t."""

@@ -39,7 +39,7 @@ class Fronts(NamedTuple):
     sides: Ints  # [n, 2] corners
     owners: Ints  # [n, 2] regions, the earlier one first
     is_step: Any  # [n] whether it is a step of area or material, not a front
-    strength: Floats  # [n] darkness from 0 to 1
+    darkness: Floats  # [n] of its line, from 0 to 1
 
 
 class Polygons:
@@ -114,10 +114,10 @@ class Polygons:
         of area or material. The region with the earlier mean time is the earlier one.
         """
         regions = self.regions
-        sides = self._shared_sides()
+        sides = self._shared_sides()  # [n, 2] where the side begins in its two regions
         starts = regions.start[:-1]
-        corner_times = np.add.reduceat(regions.t, starts)
-        mean_time = corner_times / np.diff(regions.start)
+        time_sums = np.add.reduceat(regions.t, starts)
+        mean_time = time_sums / np.diff(regions.start)
         owners = self._region[sides]
         earlier = np.argsort(mean_time[owners], axis=1, kind="stable")
         owners = np.take_along_axis(owners, earlier, axis=1)
@@ -128,8 +128,8 @@ class Polygons:
         if largest == 0:
             largest = 1.0
         is_step = np.ptp(regions.x[ends], axis=1) == 0  # the side stays at one x
-        strength = np.where(is_step, 1.0, np.sqrt(jumps / largest))
-        return Fronts(ends, owners, is_step, strength)
+        darkness = np.where(is_step, 1.0, np.sqrt(jumps / largest))
+        return Fronts(ends, owners, is_step, darkness)
 
     def _shared_sides(self) -> Ints:
         """Corners [n, 2] at which the two regions beside a side begin to run along it.
@@ -223,24 +223,24 @@ class Polygons:
         return self._write_numbers(ax)
 
     def _draw_fronts(self, ax: Axes, fronts: Fronts) -> Any:
-        """Draw the strongest fronts, no more than stay apart; return which were drawn.
+        """Draw the darkest fronts, no more than stay apart; return which were drawn.
 
         Lines of the total length L stand area/L apart on average.
         """
         start, stop = np.moveaxis(_in_points(ax, self._corners[fronts.sides]), 1, 0)
         lengths = np.hypot(*(stop - start).T)
-        strongest = np.argsort(-fronts.strength, kind="stable")
+        darkest = np.argsort(-fronts.darkness, kind="stable")
         # Sum of the lengths that have room, points
         room = math.prod(size_in_points(ax)) / FRONT_SPACING
-        crowded = np.cumsum(lengths[strongest]) > room
+        crowded = np.cumsum(lengths[darkest]) > room
         crowded[:FEW_FRONTS] = False
-        weakest = fronts.strength[strongest[crowded]].max(initial=MIN_DARKNESS)
-        seen = fronts.strength > weakest * (1 + NEGLIGIBLE_RTOL)
+        too_light = fronts.darkness[darkest[crowded]].max(initial=MIN_DARKNESS)
+        seen = fronts.darkness > too_light * (1 + NEGLIGIBLE_RTOL)
         if seen.any():
             lines = collections.LineCollection(
                 list(self._corners[fronts.sides[seen]]),
                 colors=colours().ink,
-                alpha=fronts.strength[seen],
+                alpha=fronts.darkness[seen],
                 linewidths=0.5,
                 zorder=2.2,
                 label="fronts",

@@ -113,7 +113,8 @@ def extreme_indices(values: Floats) -> Ints:
     least = first + rows.argmin(axis=1)
     largest = first + rows.argmax(axis=1)
     last = values.size - 1
-    extremes = np.minimum(np.concatenate((least, largest)), last)
+    extremes = np.concatenate((least, largest))
+    extremes = np.minimum(extremes, last)  # an index in padding: the last value
     return np.unique(np.append(extremes, [0, last]))
 
 

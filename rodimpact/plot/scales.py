@@ -88,21 +88,23 @@ def engineering(name: str, largest: float, unit: str) -> Scale:
 def scale_of(quantity: Quantity, largest: float) -> Scale:
     """Scale of an axis for a quantity with values up to `largest`, in customary units.
 
-    `PLAIN_UNITS` and counts are shown as they are, kg with the prefixes of g, and m^2
-    by the square of a prefix of m.
+    `PLAIN_UNITS` and counts are shown as they are, lengths in the units of `x_scale`,
+    kg with the prefixes of g, and m^2 by the square of a prefix of m.
     """
     name = quantity.name
     unit = quantity.unit
     for power, raised in (("^2", "²"), ("^3", "³"), ("^4", "⁴")):
         unit = unit.replace(power, raised)
     if unit in PLAIN_UNITS:
-        return Scale(1.0, name, unit.removeprefix("1"))
+        if unit == "1":
+            unit = ""
+        return Scale(1.0, name, unit)
     if unit == "kg":
         scale = engineering(name, 1e3 * largest, "g")  # scale of values in g
         return scale._replace(factor=1e3 * scale.factor)
     if unit == "m":
         return x_scale(largest)._replace(name=name)
-    if unit == "m²":  # areas from 0.01 to 10 000 mm² are in mm²
+    if unit == "m²":  # the factor 10 keeps areas from 0.01 to 10 000 mm² in mm²
         side = engineering(name, 10 * math.sqrt(largest), "m")
         return Scale(side.factor**2, name, f"{side.unit}²")
     return engineering(name, largest, unit)

@@ -88,7 +88,7 @@ def motion(solved_twice):
     """The motion on the page; without one that can be shown there is nothing to
     compare.
     """
-    motion = fronts.motion_of(solved_twice.run)
+    motion = fronts.motion_of_fronts(solved_twice.run)
     if motion["now"] == 0:
         pytest.skip("the run lasts no time")
     return motion
