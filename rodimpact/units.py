@@ -673,13 +673,15 @@ def one_line(text: str) -> str:
     Characters that do not print are written as escapes, and white space as one blank.
     """
     line = ""
-    words = text[: 2 * MOST_SHOWN].split()  # enough of a long text
+    beginning = text[: 2 * MOST_SHOWN]  # enough of a long text
+    is_cut = text[2 * MOST_SHOWN :].strip() != ""
+    words = beginning.split()
     for character in " ".join(words):
         if character.isprintable():
             line += character
         else:
             line += ascii(character)[1:-1]
-    if len(line) > MOST_SHOWN:
+    if is_cut or len(line) > MOST_SHOWN:
         return f"{line[: MOST_SHOWN - 3]}..."
     return line
 

@@ -234,3 +234,9 @@ def test_what_is_nested_3000_levels_deep_is_shown_in_short():
 def test_units_are_imported_without_numpy():
     code = "import sys; sys.modules['numpy'] = None; import rodimpact.units"
     subprocess.run([sys.executable, "-B", "-c", code], check=True)
+
+
+def test_a_long_text_of_blanks_shows_that_it_is_cut():
+    text = "first" + 200 * " " + "second"
+    assert units.one_line(text) == "first..."
+    assert units.one_line("first" + 200 * " ") == "first"

@@ -101,7 +101,8 @@ class PlaneCell:
     def _hold(self, program: Program, x: Floats, y: Floats) -> Any:
         """Whether the conditions of a program hold, [condition, point].
 
-        One that divides by 0 at a point does not hold there.
+        A condition that is nan at a point, as 0/0, does not hold there; an infinite one
+        holds if it is positive.
         """
         with np.errstate(all="ignore"):
             numbers = program(self._values_at(x, y))

@@ -412,8 +412,9 @@ def digest_of(module: ModuleType) -> str:
     """Digest of all sources of a kernel module, as 32 hexadecimal digits.
 
     They are all Python files in its folder, in the folders of the kernel modules that
-    it imports, and this file. Whole folders are taken because a module imports
-    constants and records by value: it does not tell from which files they come.
+    it imports, directly or through others, and this file. Whole folders are taken
+    because a module imports constants and records by value: it does not tell from which
+    files they come.
     """
     folders = {Path(str(each.__file__)).parent for each in _modules(module)}
     files = {Path(__file__)}

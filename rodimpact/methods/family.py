@@ -37,8 +37,9 @@ def family_columns(
 
     They are "restitution", "vibration", "final", "status", the velocity after of each
     body, such as "velocity_after.0", and each total of each contact, such as
-    "impulse.0". Restitution is nan unless one contact alone can open; the other arrays
-    are the arguments themselves.
+    "impulse.0". Restitution is nan unless one contact alone can open, and where
+    nothing collided or the collision is not over; the other arrays are the arguments
+    themselves.
 
     Parameters
     ----------

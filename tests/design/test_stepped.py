@@ -188,7 +188,7 @@ def test_one_misfit_is_shown_everywhere():
     assert percent in picture.reached.get_label()
 
 
-def test_areas_at_a_limit_are_named():
+def test_areas_at_a_limit_are_reported_in_the_design_and_in_its_picture():
     high = ri.Steps([5 * PEAK, 0.0], [T])
 
     design = designed(high, segments=3)

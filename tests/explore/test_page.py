@@ -237,11 +237,15 @@ def test_presets_show_their_collisions_to_the_end(visit):
 
 
 def test_curves_of_the_collision_before_are_not_solved_for_the_next(visit):
+    """Curves are solved once sliders rest. If another collision is chosen meanwhile,
+    those of the one before would be an error, which `visit` finds.
+    """
     page = visit()
     page.evaluate("""async () => {
         designChanged(true);
         await new Promise(requestAnimationFrame);
-        const frame = requestAnimationFrame;  // slower than the wait for sliders that rest
+        const frame = requestAnimationFrame;
+        // 400 ms are longer than the page waits for sliders to rest.
         window.requestAnimationFrame = (draw) => setTimeout(frame, 400, draw);
         showDesign(embedded.presets.find(({ key }) => key === "chain").design);
     }""")
@@ -328,8 +332,9 @@ def test_the_film_plays_until_it_is_paused_or_scrubbed(visit):
     page.wait_for_timeout(200)
     assert float(page.input_value("#time")) == paused_at
 
-    page.click("#play")
-    page.locator("#time").fill("900")
+    page.click("#play")  # it plays again
+    page.locator("#time").fill("900")  # scrubbed
+    # In the browser `page` is the state of the page.
     assert not page.evaluate("page.isPlaying")
     assert page.evaluate("page.fraction") == 0.9
 

@@ -30,7 +30,7 @@ def signal_of(steps):
 
 
 def value_at(steps, t):
-    """The last value until a tick; the first one before."""
+    """The value of the last step at or before t; that of the first one before all."""
     _, value = steps[0]
     for tick, later_value in steps:
         if tick <= t:

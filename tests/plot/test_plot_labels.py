@@ -179,10 +179,10 @@ def words_along_fronts(picture):
 
 
 def half_width(word, dpi):
-    """About half of the width of a turned word, in pixels."""
+    """Half of the width of a turned Text, in pixels, at most about."""
     angle = np.radians(word.get_rotation())
     height = word.get_fontsize()
-    length = 0.55 * height * len(word.get_text())
+    length = 0.55 * height * len(word.get_text())  # the mean width of a character
     points = length / 2 * abs(np.cos(angle)) + height * abs(np.sin(angle))
     return points * dpi / POINTS_PER_INCH
 

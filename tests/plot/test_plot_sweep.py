@@ -371,7 +371,7 @@ def test_an_axis_is_named_by_what_the_user_varied(vary, label):
     of_system = ri.plot.sweep(result, quantity="impulse.0")
 
     first_value = case.varied[0].values[0]
-    if "km" in label:
+    if "km" in label:  # the axis is in km/s
         first_value /= 1e3
     low, high = picture.ax.get_xlim()
     assert picture.ax.get_xlabel() == label

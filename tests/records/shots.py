@@ -148,11 +148,12 @@ def pressure_bar_shot(
 
 
 def row_under_pulse(bodies, level):
-    """Three rods, into which a compression of `PULSE_STRAIN` times a level, at whole
-    microseconds, runs from the left.
+    """System of three rods, into which a pulse runs from the left; it is not solved.
+
+    The pulse is a compression of `PULSE_STRAIN` times `level`, at whole microseconds.
     """
     strain = -PULSE_STRAIN * level
-    wave = ri.Samples([*strain, 0.0], step=1e-6)
+    wave = ri.Samples([*strain, 0.0], step=1e-6)  # nothing follows the pulse
     return ri.System(
         bodies,
         contacts=[ri.Rigid(), ri.Rigid()],

@@ -288,9 +288,9 @@ def test_a_case_that_is_too_large_for_a_reader_is_not_written(tmp_path, monkeypa
     assert path.exists()
 
 
-def test_a_solution_is_saved_as_a_case_only(tmp_path):
+def test_a_solution_is_saved_in_a_toml_file_only(tmp_path):
     solution = ri.solve(ri.System([SHORT, ri.Wall()]))
-    for name in ("run.npz", "run", "toml"):
+    for name in ("run.npz", "run", "toml"):  # the last two have no ending
         with pytest.raises(ri.InvalidModel, match=r"path: must end in \.toml"):
             solution.save(tmp_path / name)
     assert os.listdir(tmp_path) == []

@@ -12,7 +12,7 @@ from rodimpact.storage.saved_result import BY_BODY, BY_CONTACT, OUTCOME_ENERGIES
 MANUAL = Path(__file__).parents[2] / "docs" / "input.md"
 OF_SYSTEM = {"bodies", "masses", "unilateral", "driven"}
 """Entries of an outcome that follow from the system alone."""
-CHECKS = {"momentum_residual", "energy_residual"}
+RESIDUALS = {"momentum_residual", "energy_residual"}
 """Entries of an outcome that are computed from the others."""
 
 
@@ -58,10 +58,10 @@ def test_energies_that_files_of_earlier_versions_lack_are_0(tmp_path):
 
 
 def test_a_record_holds_all_that_an_outcome_finds():
-    computed = set(ri.Outcome.__dataclass_fields__) - OF_SYSTEM - CHECKS
+    computed = set(ri.Outcome.__dataclass_fields__) - OF_SYSTEM - RESIDUALS
     # Velocities and energies before the collision follow from the system, too.
     found = {name for name in computed if not name.endswith("_before")}
-    held = {
+    stored = {
         *OUTCOME_ENERGIES,
         "velocities_after",
         "vibration_after",
@@ -69,5 +69,6 @@ def test_a_record_holds_all_that_an_outcome_finds():
         "final",
         "status",
     }
-    assert found == held
+    assert found == stored
+    # All totals of a contact are stored, too.
     assert tuple(BY_CONTACT) == ContactTally._fields

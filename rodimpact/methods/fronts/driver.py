@@ -142,7 +142,7 @@ def solve_many(
             member_time = seconds / length
             if not is_quick:  # the time of a quick block is not exact
                 is_measured = True
-        # The next block takes about BLOCK_TIME.
+        # Blocks grow as long as they are quick; any other one is followed by a smaller.
         if is_quick:
             size = min(BLOCK_GROWTH * size, MAX_BLOCK_SIZE)
         else:

@@ -29,9 +29,9 @@ class GroupState(NamedTuple):
 def finality_time(run: GridRun) -> float:
     """Time from now after which a proof that no contact closes again can succeed, s.
 
-    It is 0 if the proof succeeds now, and inf if the mean motions do not open the gaps,
-    while a contact has an overlap, and where a drive acts. The longest time of all
-    contacts counts, 0 without contacts. The run is not changed.
+    It is 0 if the proof succeeds now. It is inf if the mean motions do not open the
+    gaps, if a contact presses now, or if a drive acts on the row. The longest time of
+    all contacts counts, 0 without contacts. The run is not changed.
     """
     if abilities.has_external_drive(run.row.system):
         return math.inf
@@ -39,13 +39,15 @@ def finality_time(run: GridRun) -> float:
     tolerance = float(run.grid.run["velocity_tolerance"][0])
     # Up to this bound, m, ends move with their groups.
     rest_bound = tolerance * run.step
-    state = present(run)
+    state = present(run)  # the last state, from which the motion of groups is taken
     contacts = run.grid.links[run.grid.links["law"] != Law.JOINT]
     for link in contacts:
         gap = float(link["gap"]) * run.step  # m; the grid divides lengths by the step
         if gap < 0:  # it presses
             return math.inf
-        # The group on the left has its right end at the contact.
+        # Of the groups on both sides: mean velocity, the distance of the end from where
+        # the mean motion has it, and a bound of this distance. The group on the left
+        # has its right end at the contact.
         left = side_of(run, link["left_node"], right_end=True, state=state)
         right = side_of(run, link["right_node"], right_end=False, state=state)
         reach = left.bound + right.bound  # that both ends together can bridge, m

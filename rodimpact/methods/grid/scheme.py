@@ -293,9 +293,9 @@ def boundary_values(mesh: Mesh, step: float, side: int, steps: int) -> Array:
     """Value that is prescribed at an end in each of the first `steps` steps, [step].
 
     `side` is 0 on the left, 1 on the right; `step` in s. Of a moved end it is the
-    velocity at the end of the step in the frame, m/s. Of a pushed end it is the force,
-    N, of an endless bar the wave, m/s, both as means over two steps about the middle of
-    the step. Of a free end it is 0.
+    velocity in the frame, m/s, as a mean over a step about the end of the step. Of a
+    pushed end it is the force, N, of an endless bar the wave, m/s, both as means over
+    two steps about the middle of the step. Of a free end it is 0.
     """
     kind, value = mesh.row.boundaries[side]
     if kind == "velocity":

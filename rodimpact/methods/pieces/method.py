@@ -361,10 +361,10 @@ def _floats(columns: list[Any]) -> list[float]:
 
 
 def _body_velocities(family: Members) -> tuple[list[Any], list[Any]]:
-    """Velocities of the bodies before and after, m/s, two lists [body] by member.
+    """Velocities of the bodies before and after, m/s: two lists, an array a body.
 
-    They are those of their groups, see `groups.velocities_in_group`; walls are bodies,
-    too.
+    The arrays are [member]. The velocity of a body is that of its group; walls are
+    bodies, too.
     """
     groups_before, groups_after = _group_velocities(family)
     before = _velocities_by_body(family.row, groups_before)

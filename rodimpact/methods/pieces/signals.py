@@ -23,6 +23,9 @@ NOTHING = Pieces([0], [0.0])
 def signals_of(row: Row, clock: Clock, end: int, state: Any) -> Signals:
     """Signals of a run: waves, contacts, actions on the ends, and rigid bodies.
 
+    Contacts are those of the user, bonds of rigid bodies among them; what acts on an
+    end with a wall is the force of its contact.
+
     Parameters
     ----------
     row : Row
@@ -59,7 +62,8 @@ def signals_of(row: Row, clock: Clock, end: int, state: Any) -> Signals:
     all_contacts = _with_bonds(row, contacts, masses, clock.tick, push)
     # Segments count from 1 there, and have two lines each.
     waves = Waves([None, None, *lines[: 2 * len(row.segments)]])
-    return Signals(waves, all_contacts, (left, right), None, masses)
+    boundary_actions = (left, right)
+    return Signals(waves, all_contacts, boundary_actions, masses=masses)
 
 
 def _with_bonds(
