@@ -119,6 +119,7 @@ SYNONYMS: dict[str, tuple[str, ...]] = {
 EXPLAINED = "_explains_arguments"
 """Attribute of functions that answer wrong arguments."""
 ELSEWHERE = {
+    "animate": "rodimpact.plot.animation(solution) makes a film",
     "compare": "plot.comparison(measured, predicted) draws it, and the command "
     "`rodimpact compare` fits it",
     "contact_time": "it is opening - start of contacts[k].episodes; duration is the "

@@ -50,6 +50,9 @@ NO_OPTIONS = {
         "--gauges FILE.csv writes strains over time, --json prints all numbers"
     ),
     ("rodimpact run", "--vary"): "rodimpact sweep solves a family",
+    ("rodimpact compare", "--plot"): "--save FILE.png draws the comparison",
+    ("rodimpact reduce", "--plot"): "--save FILE.png draws the curve",
+    ("rodimpact bearing", "--units"): "results are in SI units",
 }
 """Options that a command is thought to have, with what does this."""
 NUMBER = re.compile(r"[-+]?[0-9.]+(e[-+]?[0-9]+)?")

@@ -110,9 +110,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         waves,
         "--align-within",
         "time",
-        "largest shift of the reflected and the transmitted wave; the shift that "
-        "balances the forces in the elastic start is used, and the verdict shows the "
-        "balance",
+        "shift the reflected and the transmitted wave by up to this time, so that the "
+        "forces on both faces agree in the elastic start; the verdict shows how well "
+        "they agree",
         default=0.0,
     )
     record_options.add_record_options(parser)

@@ -5,8 +5,8 @@ rodimpact sweep CASE.toml --vary bodies.0.length=0.05:1:200
 
 A grid is start:stop:count, start:stop:count:log for equal ratios, or a list. A number
 may have a unit. The first --vary is the first axis. PATH=0.5*OTHER makes a number
-follow another one, or a name of your own such as R, and adds no axis. The units of the
-factors must give the unit of the number:
+follow another one, or a name of your own such as R, and adds no axis. The unit must
+come out right: R in N over 2.5mm is a stiffness.
     --vary R=200kN:1000kN:5 --vary "contacts.1.yield_force=0.5*R"
     --vary "contacts.1.stiffness=0.5*R/2.5mm"
 
