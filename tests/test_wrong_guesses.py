@@ -179,7 +179,7 @@ COMMANDS = [
     ("", "choose one of box, run"),
     ("solve case.toml", "perhaps run is meant"),
     ("compare case.toml shot.csv --plot a.png", "--save FILE.png draws the comparison"),
-    ("bearing case.toml --units us", "results are in SI units"),
+    ("bearing case.toml --resistance 1kN --units us", "results are in SI units"),
     ("runn case.toml", "perhaps run is meant"),
     ("run", "arguments are required: CASE.toml"),
     ("run case.tml", "case.tml: cannot be read"),
