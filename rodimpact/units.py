@@ -38,6 +38,8 @@ MOST_SHOWN = 60
 """Characters of a value that a message shows."""
 MOST_SHOWN_OF_PATH = 240
 """Characters of the name of a file that a message shows."""
+MAX_POWER = 9
+"""Power of a unit in a compound that is recognised."""
 ROUNDING_GUARD = 1e-9
 """Error of a decimal logarithm, so that a power of ten has its own exponent."""
 
@@ -308,6 +310,15 @@ def read_amount(text: str) -> Amount:
             raise ValueError(f"unknown unit {shown(unit)}{hint}")
         dimension = DIMENSION_OF_UNIT[unit]
     return Amount(parse(text, dimension), si_unit(dimension))
+
+
+def is_amount(text: str) -> bool:
+    """Whether a text is a number, with any unit of `UNITS` or without."""
+    try:
+        read_amount(text)
+    except ValueError:
+        return False
+    return True
 
 
 def _exact_value(given: Any, units: UnitFactors) -> float:
@@ -609,25 +620,24 @@ def _worth_of_compound(unit: str) -> _Worth | None:
 
     Parts may have whole powers: N/mm^2 is worth 1e6 kg/(m s^2).
     """
+    power_of_symbol: dict[str, float] = {}
+    try:
+        multiply_unit(power_of_symbol, unit, 1)
+    except ValueError:
+        return None
     factor = Fraction(1)
     powers: dict[str, float] = {}
-    above, _, below = unit.partition("/")
-    for product, sign in ((above, 1), (below, -1)):
-        for part in product.split():
-            symbol, has_power, exponent = part.partition("^")
-            power = 1
-            if has_power:
-                if not exponent.isdecimal() or len(exponent) > 1:
-                    return None
-                power = int(exponent)
-            if symbol == "1":
-                continue
-            to_si = conversion(symbol)
-            if to_si is None:
-                return None
-            factor *= to_si.factor ** (sign * power)
-            for _ in range(power):
-                multiply_unit(powers, to_si.unit, sign)
+    for symbol, power in power_of_symbol.items():
+        to_si = conversion(symbol)
+        is_small_integer = abs(power) <= MAX_POWER and power % 1 == 0
+        if to_si is None or not is_small_integer:
+            return None
+        factor *= to_si.factor ** int(power)
+        sign = 1
+        if power < 0:
+            sign = -1
+        for _ in range(abs(int(power))):
+            multiply_unit(powers, to_si.unit, sign)
     return _Worth(factor, in_base_units(powers))
 
 

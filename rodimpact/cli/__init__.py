@@ -13,6 +13,7 @@ import traceback
 import warnings
 from collections.abc import Iterable, Sequence
 from importlib import import_module
+from itertools import pairwise
 
 from ..version import __version__
 from .exit_status import DONE, FAULT, MISTAKE, CommandResult
@@ -55,8 +56,6 @@ NO_OPTIONS = {
     ("rodimpact bearing", "--units"): "results are in SI units",
 }
 """Options that a command is thought to have, with what does this."""
-NUMBER = re.compile(r"[-+]?[0-9.]+(e[-+]?[0-9]+)?")
-"""A number without a unit among the arguments."""
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -238,13 +237,12 @@ def _parted_number(words: list[str]) -> str:
 
     The shell parts them where the quotes are missing.
     """
-    from ..units import DIMENSION_OF_UNIT
+    from ..units import DIMENSION_OF_UNIT, is_amount
 
-    for i in range(len(words) - 1):
-        number = words[i]
-        unit = words[i + 1]
-        if NUMBER.fullmatch(number) and unit in DIMENSION_OF_UNIT:
-            return f'"{number} {unit}"'
+    for number, unit in pairwise(words):
+        quantity = f"{number} {unit}"
+        if unit in DIMENSION_OF_UNIT and is_amount(quantity):
+            return f'"{quantity}"'
     return ""
 
 

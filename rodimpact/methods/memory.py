@@ -43,6 +43,9 @@ if hasattr(os, "register_at_fork"):
 class TooLong(InvalidModel):
     """A run takes more steps than there is memory for."""
 
+    size: str = ""
+    """What takes the memory, and how much: the message without its remedy."""
+
 
 def installed() -> float:
     """Bytes of memory that this machine has; inf if the system does not say."""
@@ -84,7 +87,9 @@ def require_memory(numbers: float, field: str, work: str, remedy: str) -> None:
             f"{work} needs {8e-9 * numbers:.3g} GB of memory, "
             f"more than {8e-9 * most:.3g} GB"
         )
-        raise TooLong([(field, f"{size}; {remedy}")])
+        error = TooLong([(field, f"{size}; {remedy}")])
+        error.size = size
+        raise error
     share = getattr(_thread, "share", math.inf)  # bytes
     # A thread that has a share has `has_turn` as well;
     # without a share nothing is more than inf.

@@ -426,13 +426,14 @@ def _blow(pile: System, resistance: float, settings: Settings) -> Blow:
     try:
         return strike(pile, pile, settings.row, cells, settings.until)
     except TooLong as error:
-        ((_, message),) = error.problems
-        size, _, _ = message.partition("; ")  # a sentence, and a remedy for single runs
+        # The remedy of the error is one for single runs.
         if settings.until is not None:
-            remedy = f"{size}; end the blow earlier, or take fewer cells"
-            raise invalid_argument("until", remedy) from error
-        remedy = f"of {format_si(resistance, 'N')}: {size}; end the blow by until="
-        raise invalid_argument("resistances", remedy) from error
+            message = f"{error.size}; end the blow earlier, or take fewer cells"
+            raise invalid_argument("until", message) from error
+        message = (
+            f"of {format_si(resistance, 'N')}: {error.size}; end the blow by until="
+        )
+        raise invalid_argument("resistances", message) from error
 
 
 def _relative(change: float, value: float) -> float:

@@ -12,7 +12,7 @@ from ..model.frozen import invalid_argument
 from ..units import shown
 from .case import CASE_SCHEMA, MAX_CASE_BYTES, Case
 from .saved_result import SavedResult
-from .writing import PathLike, file_name, write_bytes
+from .writing import PathLike, check_ending, write_bytes
 
 MAX_ITEMS_PER_LINE = 6
 """Items of a list in one line, at most."""
@@ -164,10 +164,7 @@ def write_case(path: PathLike, case: Case | System, *, force: bool = False) -> N
 
 def check_case_name(path: PathLike) -> None:
     """Raise InvalidModel unless the name of a file ends in ``.toml``."""
-    name = file_name(path)
-    if not name.lower().endswith(".toml"):
-        message = "must end in .toml: a solution is saved as its case"
-        raise invalid_argument("path", f"{message}, got {shown(name)}")
+    check_ending(path, (".toml",), "a solution is saved as its case")
 
 
 def _name_materials(system: System, described: dict[str, Any]) -> dict[str, Material]:

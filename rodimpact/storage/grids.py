@@ -80,16 +80,13 @@ class Grid:
         The dimension need not be known, as for a variable. Nothing is kept. ValueError
         if the text is no grid.
         """
+        items = _listed_values(self.text)
+        if isinstance(self.text, str):
+            items = re.split("[:,]", self.text, maxsplit=1)
         unit = ""
-        first = self.text
-        if isinstance(first, str):
-            first, *_ = re.split("[:,]", first, maxsplit=1)
-        else:
-            items = _listed_values(self.text)
-            if items:
-                first = items[0]
-        if isinstance(first, str):  # anything else is in SI units, or is refused below
-            unit = units.read_amount(first).unit
+        # A first value that is no text is in SI units, or is refused below.
+        if items and isinstance(items[0], str):
+            unit = units.read_amount(items[0]).unit
         values = grid_values(self.text, units.dimension_of(unit))
         return Varied(self.path, values, unit)
 
@@ -256,7 +253,7 @@ def _check_factors(
     names.
     """
     for part in (parts.factor, parts.operand):
-        if part == "" or _is_amount(part):
+        if part == "" or units.is_amount(part):
             continue
         for name in other_names:
             if _names(part, name):
@@ -272,7 +269,7 @@ def _check_factors(
 def _is_formula_of(text: str, name: str) -> bool:
     """Whether a value in the text of a grid is no amount, and has this name in it."""
     for value in re.split("[:,]", text):
-        if _names(value, name) and not _is_amount(value):
+        if _names(value, name) and not units.is_amount(value):
             return True
     return False
 
@@ -280,15 +277,6 @@ def _is_formula_of(text: str, name: str) -> bool:
 def _names(text: str, name: str) -> bool:
     """Whether the name of a number or a variable stands in a text, as a whole word."""
     return re.search(rf"(?<![\w.]){re.escape(name)}(?![\w.])", text) is not None
-
-
-def _is_amount(text: str) -> bool:
-    """Whether a text is a number, with or without a unit."""
-    try:
-        units.read_amount(text)
-    except ValueError:
-        return False
-    return True
 
 
 def read_grids(vary: Mapping[str, ArrayLike] | None) -> dict[str, Grid | Tie]:
