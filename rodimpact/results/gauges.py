@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from ..hints import explain_arguments, explain_missing
 from ..methods.signals import Floats, Ints, Pieces, Side, quadrature
-from ..model.arguments import array, demand, scalar
+from ..model.arguments import array, check_text, demand, scalar
 from ..model.frozen import Problems, invalid_argument, raise_if_problems
 from ..records.signal import Signal
 from ..storage.tables import heading, misnamed, write_table
@@ -142,7 +142,7 @@ class Gauge:
         ------
         InvalidModel
             If the interval is not a positive number of seconds, too short, or longer
-            than the record.
+            than the record, or if the name is no text.
 
         Examples
         --------
@@ -153,6 +153,7 @@ class Gauge:
         >>> round(gauge.signal(1e-7).pulse().width / (0.2 / steel.wave_speed), 4)
         1.0
         """
+        check_text("name", name, "incident")
         sampling = _sampling(interval, self.end)
         step = sampling.step
         message = f"must not be longer than the record, {self.end!r} s, got {step!r}"
