@@ -118,6 +118,7 @@ def steel_on_brass(density):
     return ri.System([striker, struck])
 
 
+@pytest.mark.exhaustive
 @pytest.mark.parametrize(
     "path", ["materials.steel.density", "bodies.0.material.density"]
 )

@@ -324,6 +324,7 @@ assert threading.active_count() == 1, threading.enumerate()
 """
 
 
+@pytest.mark.exhaustive
 def test_tqdm_is_imported_when_a_bar_appears_and_leaves_no_thread():
     subprocess.run([sys.executable, "-W", "error", "-c", IMPORTS], check=True)
 
@@ -378,6 +379,7 @@ print(hasattr(bar, "container"))
 """
 
 
+@pytest.mark.exhaustive
 @pytest.mark.parametrize("has_widgets", [True, False])
 def test_a_notebook_has_a_widget_or_without_ipywidgets_a_line(has_widgets):
     if has_widgets:

@@ -79,6 +79,7 @@ def test_the_contact_of_the_box_lasts_two_transits_of_the_striker():
     assert duration == pytest.approx(0.8 * slowness, rel=1e-14)
 
 
+@pytest.mark.exhaustive
 def test_the_formula_for_a_longer_rod_of_higher_impedance_is_saint_venants():
     form = ri.closed_form(row([2, 5], [1, 1.5]))
 
@@ -162,6 +163,7 @@ def test_sides_beyond_the_cap_on_cells_are_announced(monkeypatch):
 # Other rows, other symbols
 
 
+@pytest.mark.exhaustive
 def test_a_bond_has_an_average_impulse_which_has_a_formula():
     first = ri.Rod(3.0, area=2.5, material=UNIT, velocity=1.0)
     second = ri.Rod(1.0, area=2.0, material=UNIT, velocity=0.5)
@@ -206,6 +208,7 @@ def test_moduli_and_densities_may_be_symbols():
     assert form.at(rho1=0).contact_times == (((0, None),),)
 
 
+@pytest.mark.exhaustive
 def test_formulas_of_a_stepped_striker_agree_with_runs_on_fractions():
     thin = ri.Segment(0.3, 1.0, UNIT)
     thick = ri.Segment(0.2, 3.0, UNIT)
@@ -445,6 +448,7 @@ STEPPED_PAIR = ri.System(
 )
 
 
+@pytest.mark.exhaustive
 def test_conditions_of_a_stepped_rod_are_not_worked_on_without_bound(monkeypatch):
     """Those of three segments in all take more than ten minutes."""
     monkeypatch.setattr(rational_functions, "MAX_CONDITION_TERMS", 500)

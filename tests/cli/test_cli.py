@@ -210,6 +210,7 @@ def test_a_reader_who_has_gone_is_no_failure(command):
     assert_ends_well(process)
 
 
+@pytest.mark.exhaustive
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs /dev/full")
 def test_a_full_disk_under_standard_output_ends_with_1():
     with open("/dev/full", "w") as full:
@@ -220,6 +221,7 @@ def test_a_full_disk_under_standard_output_ends_with_1():
     assert process.stderr.count("\n") == 1
 
 
+@pytest.mark.exhaustive
 def test_a_poor_encoding_of_the_output_is_no_fault(case):
     name = "St\u00e4hl"
     rods = CASE.replace('"steel"', f'"{name}"')
@@ -234,6 +236,7 @@ def test_a_poor_encoding_of_the_output_is_no_fault(case):
     assert first["material"]["name"] == name
 
 
+@pytest.mark.exhaustive
 @pytest.mark.skipif(os.name == "nt", reason="a directory in use stays")
 def test_a_deleted_working_directory_is_named(case, tmp_path):
     code = """
@@ -251,6 +254,7 @@ sys.exit(main(["run", sys.argv[1], "--save", "a.toml"]))
     assert "cannot write 'a.toml': No such file or directory" in process.stderr
 
 
+@pytest.mark.exhaustive
 @pytest.mark.skipif(os.name == "nt", reason="needs a shell of POSIX")
 @pytest.mark.parametrize(
     ("argv", "status"),
@@ -376,6 +380,7 @@ def test_a_run_of_no_time_is_no_page_and_no_film(
     assert files_in(case.parent) == {"case.toml"}
 
 
+@pytest.mark.exhaustive
 @pytest.mark.parametrize(
     "argv",
     [
@@ -1015,6 +1020,7 @@ def test_box_needs_a_directory(no_figures, case, refuses, capsys):
     assert "Traceback" not in capsys.readouterr().err
 
 
+@pytest.mark.exhaustive
 def test_options_replace_what_they_exclude_in_the_case(
     tmp_path, monkeypatch, output_of
 ):

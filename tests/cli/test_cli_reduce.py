@@ -103,6 +103,7 @@ def test_a_table_and_a_figure_are_written_and_not_overwritten(refuses):
     refuses([*again, *figure], "shot.svg", remedy)
 
 
+@pytest.mark.exhaustive
 def test_a_limit_of_alignment_is_an_option(text_of):
     printed = json.loads(text_of(*ALL, "--align-within", "2us", "--json"))
     assert printed["alignment"]["limit"] == 2e-6
@@ -189,6 +190,7 @@ PULSES = [
 ]
 
 
+@pytest.mark.exhaustive
 def test_three_cut_pulses_have_the_verdict_of_the_whole_record(text_of, output_of):
     options = [*PULSES, *SPECIMEN, "--compression", "positive"]
     command = ["reduce", "bars.toml", *write_pulses(), *options]
@@ -276,6 +278,7 @@ def test_a_missing_package_names_its_extra(monkeypatch, refuses):
     refuses(["reduce", "bars.toml", "shot.xlsx", *ALL], "shot.xlsx: openpyxl is not")
 
 
+@pytest.mark.exhaustive
 def test_a_direct_impact_is_reduced_with_its_own_case(output_of):
     Path("direct.toml").write_text(DIRECT)
     case = ri.read_case("direct.toml")

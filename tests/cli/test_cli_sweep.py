@@ -260,6 +260,7 @@ def test_a_figure_of_rows_without_e_is_refused_before_the_sweep(case, refused, m
     refused(message, "--vary", LENGTHS, *PLOT)
 
 
+@pytest.mark.exhaustive
 def test_rows_of_several_contacts_are_drawn_by_another_quantity(case, refused):
     cradle = ROOT / "validation" / "cases" / "newtons-cradle.toml"
     case.write_text(cradle.read_text())
@@ -504,6 +505,7 @@ def test_a_file_after_a_flag_that_prints_is_answered_by_a_redirection(refused):
     refused(message, "--vary", LENGTHS, "--csv", "out.csv")
 
 
+@pytest.mark.exhaustive
 def test_a_figure_of_an_extra_quantity(case, swept, refused):
     case.write_text(YIELDING)
     vary = ["--vary", "bodies.0.velocity=1,2", "--until", "0.2 ms"]

@@ -202,6 +202,7 @@ def test_areas_at_a_limit_are_reported_in_the_design_and_in_its_picture():
     assert "at a limit" in picture.reached.get_label()
 
 
+@pytest.mark.exhaustive
 def test_wider_limits_bring_the_pulse_nearer():
     high = ri.Steps([5 * PEAK, 0.0], [T])
 

@@ -197,6 +197,7 @@ def test_a_long_run_is_shown_until_there_are_too_many_regions(monkeypatch):
 # Polygons
 
 
+@pytest.mark.exhaustive
 def test_points_of_grids_have_displacements_and_cells_the_mean_velocity():
     solution, scene = shown(COMPLIANT)
     grids = scene["tiling"]

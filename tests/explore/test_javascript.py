@@ -493,6 +493,7 @@ def answers(function, designs):
     return run(script, {"embedded": embedded, "designs": designs})
 
 
+@pytest.mark.exhaustive
 @needs_node
 def test_joints_too_many_fronts_and_lengths_that_are_no_number_are_told_on_the_page():
     joint = ri.System([LEFT, LEFT], contacts=[ri.Joint(1e10)])

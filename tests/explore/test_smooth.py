@@ -244,6 +244,7 @@ PICTURES = {
 }
 
 
+@pytest.mark.exhaustive
 @needs_node
 @pytest.mark.parametrize("name", few_of(PICTURES, {"ends"}))
 def test_grids_paths_and_curves_of_the_page_are_those_of_the_solution(name):

@@ -111,6 +111,7 @@ def test_all_searches_end_at_the_same_point(noisy_fit):
         assert end.values[LENGTH] == pytest.approx(best, rel=1e-6)
 
 
+@pytest.mark.exhaustive
 def test_records_have_shifts_of_their_own():
     solution = ri.solve(rods(), until=UNTIL)
     places = [(1, 0.2), (1, 0.4)]
@@ -127,6 +128,7 @@ def test_records_have_shifts_of_their_own():
         assert best.values[f"records.{i}.shift"] == pytest.approx(shift, abs=1e-9)
 
 
+@pytest.mark.exhaustive
 def test_searches_in_threads_find_the_same_numbers():
     noiseless = measured(record(rods()))
     vary = {LENGTH: (0.1, 0.4)}
@@ -249,6 +251,7 @@ def changed_record(offset=0.0, trend=0.0, blur=0.0, area=1e-4):
     return measured(signal.replace(values=signal.values + drift))
 
 
+@pytest.mark.exhaustive
 def test_offset_and_trend_are_found_and_misfit_as_little_as_known_ones():
     drifting = changed_record(OFFSET, TREND)
     known_drift = drifting.replace(offset=OFFSET, trend=TREND)
@@ -353,6 +356,7 @@ def test_mistakes_in_additions_are_named(additions, says):
         ri.fit(rods(), changed_record(), VARY_VELOCITY, UNTIL, additions=additions)
 
 
+@pytest.mark.exhaustive
 def test_searches_on_a_grid_begin_with_half_of_its_cells(monkeypatch):
     cells_of_runs = []
 
@@ -541,6 +545,7 @@ def test_the_standard_error_of_a_mean(repetitions):
 # Shifts, blurs and other laws ---------------------------------------------------------
 
 
+@pytest.mark.exhaustive
 def test_another_law_tells_by_how_much_numbers_change():
     noisy = measured(record(rods(), 1e-5))
     vary = {LENGTH: (0.1, 0.4)}
@@ -561,6 +566,7 @@ def test_another_law_tells_by_how_much_numbers_change():
     assert sentence in str(both)
 
 
+@pytest.mark.exhaustive
 def test_fits_of_other_numbers_cannot_be_compared():
     noisy = measured(record(rods(), 1e-5))
     of_length = ri.fit(rods(), noisy, {LENGTH: (0.1, 0.4)}, UNTIL, starts=1)
@@ -569,6 +575,7 @@ def test_fits_of_other_numbers_cannot_be_compared():
         of_length.against(of_velocity)
 
 
+@pytest.mark.exhaustive
 @pytest.mark.parametrize("seed", few_of(range(20), [0]))
 def test_a_shift_is_found_wherever_a_window_of_a_record_lies_or_bounds_are_noted(seed):
     """Random steps of strain run along a bar and back; its length is varied as well.
@@ -720,6 +727,7 @@ def test_a_bound_is_as_near_as_the_scale_of_its_range_says(number, beginning):
         assert note.startswith(beginning)
 
 
+@pytest.mark.exhaustive
 def test_a_misfit_far_above_the_noise_before_the_pulse_is_noted():
     """Flat ends do not make the record of rounded ends."""
     relative_noise = 0.002

@@ -223,6 +223,7 @@ def test_machine_code_is_found_again_unless_a_source_changed(cache, monkeypatch)
     assert cache_hits(new_kernel()) == 1
 
 
+@pytest.mark.exhaustive
 def test_without_a_place_for_machine_code_it_is_made_in_each_process(
     cache, monkeypatch
 ):
@@ -253,6 +254,7 @@ def test_a_full_disk_is_no_failure(cache, monkeypatch):
 
 
 # The index of a kernel (nbi) names the files of its machine code (nbc).
+@pytest.mark.exhaustive
 @pytest.mark.parametrize(
     ("kind", "share"),
     [("nbi", 0.5), pytest.param("nbc", 0.99, marks=pytest.mark.exhaustive)],

@@ -910,6 +910,7 @@ def peak_force_of(solution):
     return max(contact.peak_force for contact in solution.outcome.contacts)
 
 
+@pytest.mark.exhaustive
 @pytest.mark.parametrize("cells", [100, 200])
 def test_a_peak_that_overshoots_by_a_percent_is_named(cells):
     """The status says by how much the largest force is beyond that of the fronts, or

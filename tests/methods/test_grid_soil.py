@@ -179,6 +179,7 @@ def energies_with_elastic_soil(soil):
     return solution.energy(times).total + stored
 
 
+@pytest.mark.exhaustive
 def test_soil_without_damping_gives_back_all_that_its_springs_store():
     energy = energies_with_elastic_soil(ELASTIC_SOIL.replace(damping=0.0))
 

@@ -120,6 +120,7 @@ def test_a_log_that_is_full_grows_and_the_run_goes_on(monkeypatch, compiling):
     assert bits == expected
 
 
+@pytest.mark.exhaustive
 @pytest.mark.skipif(not kernels.enabled(), reason="compiling is disabled")
 def test_a_variable_with_which_numba_does_not_start_is_named():
     """Nothing is compiled, and no error is raised."""
@@ -338,6 +339,7 @@ os.waitpid(child, 0)
 """
 
 
+@pytest.mark.exhaustive
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork on this system")
 @pytest.mark.parametrize(
     "script",

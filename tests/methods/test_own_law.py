@@ -170,6 +170,7 @@ def test_functions_that_are_no_law_are_refused(force, said):
         ri.Law(force)
 
 
+@pytest.mark.exhaustive
 def test_a_solution_with_it_is_refused_by_a_file_and_leaves_none(tmp_path):
     solution = ri.solve(pair(ri.Law(power)))
     with pytest.raises(ri.InvalidModel, match="cannot be kept in a file"):

@@ -153,6 +153,7 @@ def test_random_rows_are_near_those_of_finite_differences_and_keep_their_energy(
 # --------------------------------------------------------------------------------------
 
 
+@pytest.mark.exhaustive
 def test_waves_that_are_smoothed_keep_the_momentum_of_each_rod():
     """It changes by what the two contacts of the rod give it."""
     rng = np.random.default_rng(22)

@@ -560,6 +560,7 @@ def test_a_number_too_large_for_a_float_is_infinite_and_refused():
         ri.RigidMass(np.longdouble("1e4000"))
 
 
+@pytest.mark.exhaustive
 def test_no_library_of_units_or_labels_is_imported():
     script = """
 import sys

@@ -150,6 +150,7 @@ def test_without_a_share_of_the_shaft_the_pile_has_no_soil_along_it():
     assert bare.bodies[1].shaft is None
 
 
+@pytest.mark.exhaustive
 @needs_compiler
 def test_the_order_of_the_resistances_and_the_workers_do_not_matter():
     system = pipe_pile("smith")

@@ -114,6 +114,7 @@ def hammer_size(run):
     return run.system.kinds.index("rod")
 
 
+@pytest.mark.exhaustive
 @needs_compiler
 @pytest.mark.parametrize("seed", few_of(range(40), [1, 2]))
 def test_a_blow_that_is_over_makes_no_soil_yield_later(seed):
@@ -142,6 +143,7 @@ def test_a_blow_that_is_over_makes_no_soil_yield_later(seed):
             assert profile.plastic_set == pytest.approx(0.0, abs=1e-12)
 
 
+@pytest.mark.exhaustive
 @needs_compiler
 def test_the_ram_is_caught_after_its_first_bounce():
     """Ram and helmet fly up at 0.9 m/s, and would come down again after 0.21 s.
@@ -194,6 +196,7 @@ def test_a_ram_that_rattles_on_the_pile_is_not_caught():
     assert np.count_nonzero(lets_go) > 2
 
 
+@pytest.mark.exhaustive
 @needs_compiler
 def test_a_pile_comes_to_rest_where_a_blow_says():
     (blow,) = ri.blows(ONE_ROD_PILE, 1, cells=40)
@@ -312,6 +315,7 @@ def test_nothing_holds_a_bare_pile_without_weight_for_a_second_blow():
     assert blow.blow_count == pytest.approx(1 / blow.set)
 
 
+@pytest.mark.exhaustive
 def test_drag_along_a_shaft_bears_nothing_at_rest_and_is_no_share_of_resistance():
     dragged = PILE.replace(length=2.0, shaft=ri.Drag(3e3))
     bodies = [RAM, dragged, PILE, ri.Wall()]

@@ -156,6 +156,7 @@ def magnified(solved):
     return plot.animation(solved["unequal"], frames=3, magnification=1000.0)
 
 
+@pytest.mark.exhaustive
 def test_the_factor_of_displacements_is_named(magnified):
     label = diagram_of(magnified).get_xlabel()
     thickness = [text for text in texts_on(magnified) if "thick: compressed" in text]
@@ -232,6 +233,7 @@ def test_rods_are_apart_in_the_approach(with_approach):
     assert tuple(in_gap) == WHITE
 
 
+@pytest.mark.exhaustive
 def test_a_rod_that_comes_from_the_right_is_inside_before_it_touches():
     target = ri.Rod(0.4, area=1e-4, material=ri.materials.steel)
     striker = ri.Rod(0.4, area=1e-4, material=ri.materials.steel, velocity=-1.0)
@@ -325,6 +327,7 @@ def test_a_film_has_as_many_frames_as_asked_for_few_of_them_before_contact(
     assert 0.0 in film.times
 
 
+@pytest.mark.exhaustive
 def test_a_run_with_too_many_regions_is_shown_in_part(solved, monkeypatch):
     monkeypatch.setattr("rodimpact.plot.polygons.READABLE_REGIONS", 8)
     solution = solved["unequal"]
@@ -379,6 +382,7 @@ def test_save_names_the_formats_of_an_animation(film, tmp_path, name):
         plot.save(film, tmp_path / name)
 
 
+@pytest.mark.exhaustive
 def test_a_notebook_plays_it(film):
     image = r'<img src="data:image/gif;base64,(.*?)" alt="(.*?)".*>'
 
@@ -415,6 +419,7 @@ open(sys.argv[-1], "wb").write(options + b"|" + data)
 """
 
 
+@pytest.mark.exhaustive
 def test_an_mp4_is_made_by_ffmpeg_from_the_frames(film, tmp_path, monkeypatch):
     install_ffmpeg(tmp_path, monkeypatch, RECORDING_FFMPEG)
 

@@ -65,6 +65,7 @@ def row(solution):
     return scene_of(tables["case"], tables["gauges"], LIBRARY)["row"]
 
 
+@pytest.mark.exhaustive
 def test_the_page_magnifies_as_figures_do_in_the_same_frame(layout, row):
     assert row["magnification"] == layout.magnification
     assert row["frame"] == layout.frame

@@ -79,6 +79,7 @@ def test_a_family_shows_a_picture_if_one_can_be_drawn_and_its_table(name):
     assert "collisions" in table(html)
 
 
+@pytest.mark.exhaustive
 def test_the_table_of_a_family_has_units_and_names_the_way_to_all_rows():
     areas = np.linspace(1e-4, 2e-4, 30)
     family = ri.System([rod(0.4, 1.0), rod(area=areas)])
@@ -89,6 +90,7 @@ def test_the_table_of_a_family_has_units_and_names_the_way_to_all_rows():
     assert "12 of 30; to_csv writes all, save keeps them" in text
 
 
+@pytest.mark.exhaustive
 def test_without_the_public_names_a_solution_shows_its_table():
     code = """
 from rodimpact.model import Rod, System, Wall
@@ -113,6 +115,7 @@ def assert_shows_its_figure(picture):
     assert np.ptp(pixels) > 200
 
 
+@pytest.mark.exhaustive
 def test_every_picture_shows_its_figure(solution):
     assert_shows_its_figure(ri.plot.contact(solution))
     assert_shows_its_figure(ri.plot.restitution([0.5], [0.5]))

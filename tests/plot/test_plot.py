@@ -217,6 +217,7 @@ def crowded_picture(crowded):
     return plot.spacetime(crowded, axes())
 
 
+@pytest.mark.exhaustive
 def test_a_crowd_has_lines_at_its_strongest_fronts_alone(crowded_picture):
     ax = crowded_picture.ax
     drawn = fronts(crowded_picture).get_segments()
@@ -299,6 +300,7 @@ def test_units_fit_the_numbers(solved):
     assert long.ax.get_ylabel() == "time t (ms)"
 
 
+@pytest.mark.exhaustive
 def test_a_drifting_row_is_drawn_in_a_moving_frame(solved):
     still = plot.spacetime(solved["unequal"], axes(), coordinates="lab")
     drifting = plot.spacetime(solved["drifting"], axes(), coordinates="lab")
@@ -432,6 +434,7 @@ def test_the_axes_show_lengths_names_and_round_trips(solved):
     assert min(np.diff(sorted(times.values()))) > 20
 
 
+@pytest.mark.exhaustive
 def test_round_trips_stand_at_the_axis_of_times(solved):
     across = plot.spacetime(solved["unequal"], axes(), across=True)
     later = plot.spacetime(solved["closing gap"], axes())
@@ -663,6 +666,7 @@ def solved_at_once(body):
     return ri.solve(system, until=0.0)
 
 
+@pytest.mark.exhaustive
 def test_a_solution_without_duration_has_a_snapshot():
     picture = plot.snapshots(solved_at_once(rod(0.4, 1.0)))
 
@@ -720,12 +724,14 @@ def test_overview_of_any_row_shows_velocity_stress_energy_and_force(solved, name
     assert has_force == (name != "single")
 
 
+@pytest.mark.exhaustive
 @pytest.mark.usefixtures("laid_out")
 @pytest.mark.parametrize("name", few_of(RENDERED, ["bonded"]))
 def test_snapshots_of_any_row_render(solved, name):
     render(plot.snapshots(solved[name]).ax.figure)
 
 
+@pytest.mark.exhaustive
 @pytest.mark.usefixtures("laid_out")
 @pytest.mark.parametrize(
     "draw", few_of([plot.spacetime, plot.overview], [plot.spacetime])
@@ -760,6 +766,7 @@ def boxes_of_words(figure):
     return boxes
 
 
+@pytest.mark.exhaustive
 @pytest.mark.usefixtures("laid_out")
 @pytest.mark.parametrize("width", few_of([85, 120, 170, 300], {85}))
 def test_words_of_a_page_of_any_width_stay_apart_and_inside(solved, width):
@@ -792,6 +799,7 @@ def test_overview_names_the_result(solved):
     )
 
 
+@pytest.mark.exhaustive
 def test_overview_says_that_a_run_is_not_final(solved):
     solution = solved["bouncing"]
 
@@ -815,6 +823,7 @@ def axes_titled(figure, title):
     raise AssertionError(f"no Axes has the title {title}")
 
 
+@pytest.mark.exhaustive
 def test_overview_of_many_contacts_draws_each_on_a_line_of_its_own(solved):
     solution = solved["cradle"]
 
@@ -862,6 +871,7 @@ def test_gauges_move_in_snapshots(solved):
     assert line.get_xdata() == pytest.approx([0.65, last])
 
 
+@pytest.mark.exhaustive
 @pytest.mark.usefixtures("laid_out")
 def test_a_vector_file_has_paths_and_text_under_a_title(solved, tmp_path):
     def draw():
@@ -973,6 +983,7 @@ DRAWINGS = [
 ]
 
 
+@pytest.mark.exhaustive
 @pytest.mark.parametrize("drawing", few_of(DRAWINGS, ["ri.plot.contact(solution)"]))
 def test_drawing_needs_no_pyplot_and_the_package_no_matplotlib(drawing):
     code = f"""
@@ -996,6 +1007,7 @@ def solved_masses():
     return ri.solve(row)
 
 
+@pytest.mark.exhaustive
 def test_rows_of_masses_have_contacts_and_energy_to_draw(solved_masses):
     contact = plot.contact(solved_masses)
     energy = plot.energy(solved_masses)
@@ -1013,6 +1025,7 @@ def test_rows_of_masses_have_no_rods_to_draw(solved_masses, draw):
         draw(solved_masses)
 
 
+@pytest.mark.exhaustive
 def test_cells_that_average_a_short_blow_say_so():
     """The blow of 0.2 ms is weaker in cells of 1 ms each."""
     falling = ri.Rod(0.5, area=AREA, material=STEEL)

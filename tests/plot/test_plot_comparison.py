@@ -177,6 +177,7 @@ def test_stations_move_with_their_rod_where_time_runs_across():
     assert_moves_with_its_rod(x_drawn, time, BY_FRONTS, start=0.8)
 
 
+@pytest.mark.exhaustive
 def test_stations_beyond_a_spring_begin_behind_it():
     x_drawn, time = stations(BY_CHARACTERISTICS, across=False).gauges[0].get_data()
 
@@ -222,6 +223,7 @@ def test_a_reduction_shows_stress_and_strain_rate_over_strain():
     assert picture.rate_ax.get_xlabel() == "nominal strain (%), positive in compression"
 
 
+@pytest.mark.exhaustive
 def test_a_reduction_shows_a_negative_stress_of_the_input_face():
     _, reduction = reduced_record()
     force = np.abs(reduction.output_force)  # N

@@ -175,6 +175,7 @@ def fronts(picture):
     raise AssertionError("no fronts are drawn")
 
 
+@pytest.mark.exhaustive
 def test_the_same_fronts_lie_over_displacements(solved):
     velocity = plot.spacetime(solved["stepped"], axes(), "velocity")
     displacement = plot.spacetime(solved["stepped"], axes(), "displacement")
@@ -227,6 +228,7 @@ def assert_on_its_side(upright, across):
         assert b[:, ::-1] == pytest.approx(a)
 
 
+@pytest.mark.exhaustive
 @pytest.mark.parametrize("name", few_of(SYSTEMS, {"drifting"}))
 def test_time_across_is_the_same_picture_on_its_side(solved, name):
     upright = plot.spacetime(solved[name], axes(), "stress", across=False)

@@ -130,6 +130,7 @@ def axis_of_places(ax, across):
     return ax.xaxis
 
 
+@pytest.mark.exhaustive
 @pytest.mark.parametrize("across", few_of([False, True], [True]))
 @pytest.mark.parametrize(
     ("row", "count"),
@@ -187,6 +188,7 @@ def half_width(word, dpi):
     return points * dpi / POINTS_PER_INCH
 
 
+@pytest.mark.exhaustive
 @pytest.mark.parametrize("width", few_of([85, None], [85]))
 def test_words_along_fronts_keep_clear_of_the_contact(solved, width):
     with plot.look(width=width):
@@ -224,6 +226,7 @@ def test_snapshots_show_the_first_reflection_at_the_far_end(solved):
     assert times == pytest.approx([0, 0.5, 1, 2, 2.5, 5, 7])
 
 
+@pytest.mark.exhaustive
 @pytest.mark.parametrize("width", few_of([85, None], [85]))
 @pytest.mark.parametrize("row", few_of(["unequal", "wall"], ["unequal"]))
 def test_captions_of_a_contact_hide_the_lines_behind_them_and_stay_inside(
@@ -256,6 +259,7 @@ def test_the_last_mark_of_the_law_is_whole():
     assert right_half.min() < 120  # ink of the circle
 
 
+@pytest.mark.exhaustive
 @pytest.mark.parametrize("width", few_of([85, None], [85]))
 def test_labels_of_contours_keep_clear_of_each_other_of_lines_and_of_the_frame(width):
     lengths = np.linspace(0.1, 2, 40)[:, None]
@@ -309,6 +313,7 @@ def random_family(shape):
     return ri.System([rod(lengths, 1.0, area=areas), rod()])
 
 
+@pytest.mark.exhaustive
 def test_members_in_no_order_are_points_beside_a_histogram():
     result = ri.sweep(random_family(60))
 

@@ -185,6 +185,7 @@ def test_cells_hold_the_mean_of_the_field_over_their_time(solved, case):
             assert drawn == pytest.approx(mean, abs=tolerance)
 
 
+@pytest.mark.exhaustive
 def test_masses_are_strips_of_the_width_that_the_label_names(solved):
     solution = solved["hertz"]
 
@@ -202,6 +203,7 @@ def test_masses_are_strips_of_the_width_that_the_label_names(solved):
     assert bonded_end[:, 0] == pytest.approx(right_x)
 
 
+@pytest.mark.exhaustive
 def test_rows_without_masses_have_no_strips(solved):
     assert plot.spacetime(solved["hopkinson"], axes()).masses == []
 
@@ -214,6 +216,7 @@ BORDERS = {
 }
 
 
+@pytest.mark.exhaustive
 @pytest.mark.parametrize("name", few_of(BORDERS, {"hopkinson", "driven"}))
 def test_borders_are_named_in_the_legend(solved, name):
     picture = plot.spacetime(solved[name], axes())
@@ -221,6 +224,7 @@ def test_borders_are_named_in_the_legend(solved, name):
     assert legend(picture) == BORDERS[name]
 
 
+@pytest.mark.exhaustive
 def test_an_end_driven_by_a_force_is_named_in_the_legend(solved):
     picture = plot.spacetime(solved["pushed"], axes())
 
@@ -280,6 +284,7 @@ def test_a_diagram_from_start_to_stop_shows_that_interval(solved):
     assert times[-1] == pytest.approx(200)
 
 
+@pytest.mark.exhaustive
 def test_cells_stay_pixels_so_that_vector_files_are_small(solved, tmp_path):
     plot.save(plot.spacetime(solved["hertz"]).ax.figure, tmp_path / "a.svg")
 
@@ -301,6 +306,7 @@ def test_moments_hold_all_events_at_the_contacts(solved):
     assert events <= set(moments(solution).tolist())
 
 
+@pytest.mark.exhaustive
 def test_snapshots_show_the_first_and_last_of_many_events_and_count_the_hidden():
     steel = ri.materials.steel
     rods = []
@@ -350,6 +356,7 @@ def test_labels_of_neighbouring_masses_do_not_meet(solved):
 # Histories
 
 
+@pytest.mark.exhaustive
 def test_overlap_is_named_where_there_is_some(solved):
     drawn = plot.contact(solved["hertz"])
 

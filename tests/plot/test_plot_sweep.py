@@ -308,6 +308,7 @@ def test_values_in_any_order_are_drawn_in_increasing_order():
     assert picture.values.get_ydata() == pytest.approx([0.25, 0.5, 1.0, 0.5])
 
 
+@pytest.mark.exhaustive
 def test_cells_of_values_in_any_order_are_drawn_in_increasing_order():
     areas = np.array([3e-4, 1e-4, 2e-4])
     result = swept_map(UNORDERED_LENGTHS, rod(area=areas))
@@ -509,6 +510,7 @@ def test_contour_lines_of_e_are_those_of_l1_over_l2():
     assert set(texts_of(picture.labels)) == {"0.2", "0.4", "0.6", "0.8"}
 
 
+@pytest.mark.exhaustive
 def test_contour_lines_of_the_duration_end_where_it_jumps():
     """Above equal areas, 100 mm^2, the duration is 2 l1/c."""
     lengths = np.geomspace(0.1, 10, 61)
@@ -559,6 +561,7 @@ def test_a_constant_map_has_no_contours():
     assert picture.cells.norm.vmin == 0
 
 
+@pytest.mark.exhaustive
 def test_colours_are_symmetric_where_signs_differ(swept):
     norm = plot.sweep(swept["map"], axes(), "velocity_after.0").cells.norm
 

@@ -111,6 +111,7 @@ def test_an_echo_from_a_free_end_is_as_good_as_a_second_gauge():
     assert "Doubtful" not in str(calibration)
 
 
+@pytest.mark.exhaustive
 def test_a_pulse_that_is_cut_off_in_the_second_record_is_doubtful():
     true_bar = ri.waves.Bar(SPEED, 0.29, RADIUS)
     first, second = both_records(true_bar)

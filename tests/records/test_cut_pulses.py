@@ -85,6 +85,7 @@ def test_cut_pulses_with_the_times_of_the_records_give_stress_and_strain(shot, r
     assert result.doubts == ()
 
 
+@pytest.mark.exhaustive
 @pytest.mark.usefixtures("all_draws")
 @pytest.mark.parametrize("count", few_of([3, 8], [3]))
 def test_the_band_of_cut_pulses_covers_90_percent_of_the_stress(shot, count):

@@ -676,6 +676,7 @@ def test_a_record_that_just_holds_the_returned_pulse_is_enough():
     speed_from_record_until(float(needed))  # is not refused
 
 
+@pytest.mark.exhaustive
 @pytest.mark.parametrize("seed", few_of([0, 1], [0]))
 def test_stated_errors_of_gains_contain_the_true_ones(seed):
     """A striker and bars of Mindlin and Herrmann on a grid: the plateau of the pulse
@@ -722,6 +723,7 @@ def test_bars_of_unlike_impedance_are_calibrated_and_their_reflection_is_expecte
     assert result.reflected == pytest.approx(result.expected, rel=0.02)
 
 
+@pytest.mark.exhaustive
 @pytest.mark.usefixtures("all_draws")
 def test_a_calibration_stands_for_the_bars_and_its_errors_widen_the_bands(shot):
     gauges = gauges_without_specimen(gains=(1.05, 0.93), noise=0.003)
@@ -857,6 +859,7 @@ def test_bending_of_a_tenth_is_not_doubted(shot):
     assert result.doubts == ()
 
 
+@pytest.mark.exhaustive
 @pytest.mark.parametrize(
     ("gain", "percent"),
     [
@@ -922,6 +925,7 @@ def test_a_wrong_distance_of_one_of_two_gauges_is_doubted_by_the_way_between(lon
     assert has(doubts, "takes 30.7 us", "distance, 81 mm", "say 16.6 us", "fits 149 mm")
 
 
+@pytest.mark.exhaustive
 def test_an_alignment_that_runs_to_its_limit_is_doubted():
     gauges = measured_gauges()
     doubts = doubts_about(*gauges, compression="positive", align_within=1e-6)

@@ -90,6 +90,7 @@ def test_a_shot_out_of_equilibrium_has_no_strain_of_equilibrium():
     assert "equilibrium is reached" not in str(result)
 
 
+@pytest.mark.exhaustive
 def test_a_soft_specimen_cannot_be_judged():
     soft = ri.Material("soft", youngs_modulus=3e8, density=1100.0, poisson_ratio=0.3)
     shot = shots.pressure_bar_shot(material=soft, cells=450)

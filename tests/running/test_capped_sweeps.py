@@ -116,6 +116,7 @@ def test_members_of_a_capped_sweep_end_as_alone(method, until, seed):
         assert_members_end_as_alone(family, cap, **options)
 
 
+@pytest.mark.exhaustive
 @pytest.mark.parametrize("seed", few_of(range(8), range(1)))
 @pytest.mark.parametrize("until", few_of([None, 1e-3], [1e-3]))
 def test_members_of_a_capped_sweep_on_a_grid_end_as_alone(until, seed):

@@ -239,6 +239,7 @@ def test_a_quantity_grows_by_powers_of_all_lengths_areas_and_velocities(
         assert stated_error <= 1e-8 * (abs(g.value) + 1e-6)
 
 
+@pytest.mark.exhaustive
 @pytest.mark.parametrize(
     "struck_lengths", few_of([(1.0, 1.03, 0.4), (1.0, 0.4)], [(1.0, 0.4)])
 )
@@ -311,6 +312,7 @@ def test_the_impulse_beside_a_fixed_end_is_proportional_to_the_velocity():
     assert mirrored["bodies.1.velocity"] == pytest.approx(-mirrored.value, rel=1e-12)
 
 
+@pytest.mark.exhaustive
 def test_one_sided_derivatives_beside_a_fixed_end_are_those_of_the_mirrored_row():
     system = ri.System([ROD, pair().bodies[1]], ends=[ri.Free(), ri.Fixed()])
 
@@ -506,6 +508,7 @@ COMPLIANT_NUMBERS = {
 """Paths of rods of unit wave speed and density, by the fields of `Row`."""
 
 
+@pytest.mark.exhaustive
 @pytest.mark.parametrize("seed", few_of(range(20), [0]))
 def test_stated_errors_of_compliant_rows_bound_the_difference_from_another_solver(seed):
     name = list(COMPLIANT_NUMBERS)[seed % len(COMPLIANT_NUMBERS)]

@@ -352,6 +352,7 @@ FOURTHS = slice(None, None, 4)
 """Every fourth entry."""
 
 
+@pytest.mark.exhaustive
 @pytest.mark.parametrize("part", few_of([FOURTHS, slice(None)], [FOURTHS]))
 def test_every_falsified_entry_is_named_with_both_values(tmp_path, part):
     path = tmp_path / "run.toml"

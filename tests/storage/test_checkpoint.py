@@ -334,6 +334,7 @@ def test_a_damaged_file_is_told_and_kept_and_only_its_members_run_again(
     assert not later_runs
 
 
+@pytest.mark.exhaustive
 def test_a_file_of_another_sweep_among_those_of_this_one_is_refused(
     tmp_path, monkeypatch
 ):
@@ -364,6 +365,7 @@ def test_a_directory_that_cannot_be_written_is_told_at_once(tmp_path, monkeypatc
     assert not runs
 
 
+@pytest.mark.exhaustive
 def test_two_processes_may_start_on_one_directory(tmp_path):
     """Neither harms what the other has written."""
     folder = tmp_path / "run"

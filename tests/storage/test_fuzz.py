@@ -167,6 +167,7 @@ def spoil_directory(rng, folder, other):
             first.write_bytes(spoil(rng, data))
 
 
+@pytest.mark.exhaustive
 @pytest.mark.parametrize("damages", few_of([6, DAMAGES], [6]))
 @pytest.mark.parametrize("seed", SEEDS)
 def test_a_damaged_checkpoint_is_refused_or_comes_to_the_same_end(
