@@ -1,6 +1,7 @@
-"""Physics that not every method has: where a system has it, by path and name.
+"""Physics that not every method has, and its places in a system: path and name.
 
-No method can prove a collision final where something acts on and on from outside.
+It also finds systems on which forces act from outside all the time: no method can prove
+their collisions final.
 """
 
 from typing import Any
@@ -24,9 +25,12 @@ DRAG = "drag along a shaft"
 RODLESS = "rows without a rod"
 
 PHYSICS_OF_LAWS = {"joint": JOINTS, "own": OWN_LAWS}
-"""Physics of the contact laws that are no compliant contacts of the package's own."""
+"""Physics of joints and of laws of the user, by the name of the contact law.
+
+Other laws that are neither rigid nor bonded are COMPLIANCE.
+"""
 SINGLE = (GRAVITY, DAMPING, LATERAL)
-"""Physics that one entry of a rod or of the system switches on."""
+"""Physics that is switched on by a single entry of a rod or of the system."""
 
 Needs = list[tuple[str, str]]
 """Path and name of physics that a system has."""
@@ -35,9 +39,10 @@ Needs = list[tuple[str, str]]
 def needs(system: model.System) -> Needs:
     """List all physics of a system that not every method has: path and name of each.
 
-    These are gravity, a row without a rod, rigid masses, what `_needs_of_rod` lists,
-    the laws of contacts that are neither rigid nor bonded, and drives of ends that are
-    no steps. A path is such as ``"contacts.0.law"``. The list may be empty.
+    These are gravity, a row without a rod, rigid masses, the physics of rods that
+    `_needs_of_rod` lists, contact laws other than rigid and bonded, and drives of ends
+    that are not in steps. A path is, for example, ``"contacts.0.law"``. The list may be
+    empty.
     """
     physics: Needs = []
     if not vanishes(system.gravity):
@@ -52,14 +57,14 @@ def needs(system: model.System) -> Needs:
             physics += _needs_of_rod(body, f"bodies.{i}")
     for k, law in enumerate(system.contacts):
         if law.law not in ("rigid", "bonded"):
-            # Joints and laws of the user have a name there; others are compliant.
+            # The table has joints and laws of the user; other laws are compliant.
             name = PHYSICS_OF_LAWS.get(law.law, COMPLIANCE)
             physics.append((f"contacts.{k}.law", name))
     for side, end in zip(model.SIDES, system.ends, strict=True):
-        value = getattr(end, "value", None)  # None where an end has none
+        value = getattr(end, "value", None)  # None for an end without a drive
         if isinstance(value, model.Samples | model.Polynomials):
             name = "value"
-            # A moved end may be given by its position, from which the value follows.
+            # A moved end may be given by its position; `value` is computed from it.
             if getattr(end, "position", None) is not None:
                 name = "position"
             physics.append((f"ends.{side}.{name}", SMOOTH_DRIVES))
@@ -69,10 +74,10 @@ def needs(system: model.System) -> Needs:
 def _needs_of_rod(rod: model.Rod, path: str) -> Needs:
     """List all physics of a rod that not every method has: path and name of each.
 
-    These are soil or drag along it, initial states that are no steps, viscosity,
-    lateral inertia and taper. `path` is that of the rod, with which all paths begin.
-    Physics of a segment have the path of the segment, or that of the rod if the segment
-    is the only one.
+    These are soil or drag along the rod, initial states that are not in steps,
+    viscosity, lateral inertia and taper. All paths begin with `path`, the path of the
+    rod. Physics of a segment has the path of the segment, or the path of the rod if it
+    has a single segment.
     """
     physics: Needs = []
     if rod.shaft is not None:
@@ -98,13 +103,13 @@ def _needs_of_rod(rod: model.Rod, path: str) -> Needs:
 
 
 def has_external_drive(system: Any) -> bool:
-    """Whether forces from outside act: no bound says when the last contact is over.
+    """Whether forces act from outside, so that no contact can be proved the last.
 
-    These are drives of ends, soil or drag along a rod, and gravity on a row that a
-    wall, a fixed end or a semi-infinite bar holds; in free fall gravity changes no
-    contact. The page of `explorer` has this function as JavaScript.
+    Such forces are drives of ends, soil or drag along a rod, and gravity on a row that
+    is held by a wall, a fixed end or a semi-infinite bar. In free fall gravity does not
+    affect contacts. The web page has this function as JavaScript.
     """
-    is_held = False  # a wall, a fixed end or a semi-infinite bar holds the row
+    is_held = False  # by a wall, a fixed end or a semi-infinite bar
     is_pushed = False  # an end is driven
     for each in (*system.bodies, *system.ends):
         if each.kind in ("wall", "fixed", "absorbing"):

@@ -1,11 +1,12 @@
 """The clock of a row.
 
 It measures time in whole ticks, and velocities in a moving frame. Lists by segment are
-of two kinds: `transits` has the segments alone, from 0 on; those "with the outside"
-have an entry for what lies left of the row in front, and one for what lies right
-behind.
+of two kinds. `transits` has the n segments only, with the indices 0 to n - 1. A list
+"with the outside" has the segments from 1 to n, and the entries 0 and n + 1 for the
+outside on the left and on the right.
 
-One class serves all methods, fields and the page. In a family its numbers are arrays.
+One class serves all methods, fields and the web page. In a family its numbers are
+arrays.
 """
 
 import math
@@ -22,29 +23,29 @@ from .record_lists import blank
 from .row import Row
 
 MIN_TRANSIT = 4096
-"""Ticks that a transit time must exceed: the window of a closing is a share of it."""
+"""Ticks that a transit time must exceed, so that a share of it is still some ticks."""
 
 
 @dataclass(frozen=True, eq=False)
 class Clock:
     """A row on a clock of whole ticks.
 
-    Lists by segment with the outside have the index 0 for what lies left of the row,
-    and n + 1 for what lies right of it.
+    Lists by segment with the outside have the index 0 for the outside on the left, and
+    n + 1 for the outside on the right of n segments.
 
     Attributes
     ----------
     row : Row
     tick : float
-        s.
+        Duration of a tick, s.
     transits : list of int
         Transit times of the segments from left to right, ticks.
     frame : float
         Velocity of the frame in which waves are given, m/s, at t = 0.
     scale : float
-        Scale of velocities, m/s; 0 where totals are exact.
+        Scale of velocities, m/s; 0 for a method whose totals are exact.
     reference : float
-        The longest transit time, or what stands for it in a row without rods, s.
+        The longest transit time, or its replacement in a row without rods, s.
     last_tick : int
         Tick at which the clock ends.
     impedance : list of float
@@ -52,7 +53,7 @@ class Clock:
     transit_error : float
         Largest relative change of a transit time by its rounding to the clock.
     worst_path : str
-        Path of the segment with that error.
+        Path of the segment with this error.
     """
 
     row: Row
@@ -99,9 +100,12 @@ class Clock:
 
     @property
     def longest_rod(self) -> int:
-        """Transit time of the rod that takes longest, ticks; 0 without rods."""
+        """Longest transit time of a rod, ticks; 0 without rods.
+
+        The transit time of a rod is the sum over its segments.
+        """
         longest = 0
-        # Walls and masses have the span (1, 0): a sum without terms.
+        # A wall or a mass has the span (1, 0), so that its sum is empty.
         for first, last in self.spans:
             longest = max(longest, sum(self.ticks[first : last + 1]))
         return longest
@@ -109,8 +113,8 @@ class Clock:
     def mass(self, body: int) -> float:
         """Mass of the body of this number, kg; infinite for a wall.
 
-        That of a rod follows from the transit times in use, see `rod_mass`; a rigid
-        mass has its own.
+        The mass of a rod follows from its rounded transit times, see `rod_mass`; the
+        mass of a rigid mass is its own.
         """
         last_segment = self.spans[body][1]
         if last_segment == 0:  # a rigid mass, or a wall, which has no `mass`
@@ -122,12 +126,13 @@ def rod_mass(clock: Clock, body: int) -> float:
     """Mass of the rod that is the body of this number, kg.
 
     It is the sum over its segments of impedance times transit time, which is rounded to
-    ticks. The page of `explorer` has this function as JavaScript.
+    ticks. It is 0 for a body without segments. The web page has this function as
+    JavaScript.
     """
     first, last = clock.row.spans[body]  # segments, counted from 1
     mass_in_ticks: float = 0  # kg/s times ticks
     for s in range(first, last + 1):
-        # `impedance` has an entry for the outside in front, `transits` has none.
+        # The index of segment s is s in `impedance`, and s - 1 in `transits`.
         mass_in_ticks += clock.impedance[s] * clock.transits[s - 1]
     return mass_in_ticks * clock.tick
 
@@ -142,11 +147,11 @@ def clock_of(
     impedance: Sequence[float] | None = None,
     is_mesh: bool = False,
 ) -> Clock:
-    """The clock of a single row whose segments take so many ticks.
+    """Make the clock of a single row whose segments have these `transits`.
 
-    Its `transit_error`, the largest relative change of a transit time by rounding, and
-    `worst_path`, the path of that segment, are found here. Its `reference` and
-    `last_tick` stay 0.
+    `transit_error`, the largest relative change of a transit time by rounding, and
+    `worst_path`, the path of that segment, are computed here. `reference` and
+    `last_tick` of the clock stay 0.
 
     Parameters
     ----------
@@ -166,7 +171,7 @@ def clock_of(
         Whether the ticks are those of a mesh, to which transit times are not rounded:
         then `transit_error` is 0.
     """
-    if frame is None:  # computing it takes longer than all else here
+    if frame is None:  # computing it takes longer than the rest of this function
         frame = float(row.frame)
     if impedance is None:
         impedance = [0.0, *(float(s.impedance) for s in row.segments), 0.0]
@@ -186,7 +191,10 @@ def clock_of(
 
 
 def crossing_time_of(row: Any) -> Any:
-    """Sum of the transit times of all segments of a row, s; 0 without segments."""
+    """Sum of the transit times of all segments of a row, s; 0 without segments.
+
+    In a family it may be an array over the members.
+    """
     crossing_time = 0.0
     for segment in row.segments:
         crossing_time = crossing_time + segment.transit_time
@@ -196,10 +204,12 @@ def crossing_time_of(row: Any) -> Any:
 def flight_time_of(row: Any, scale: Any) -> Any:
     """Time to cross all gaps, one after the other, at the velocity `scale`, s.
 
-    `scale` is positive, m/s. An overlap counts as a gap of 0.
+    `scale` is positive, m/s. An overlap counts as a gap of 0. In a family the time may
+    be an array over the members.
     """
     flight_length = 0.0
-    for link in row.links:  # a gap below 0 is an overlap
+    for link in row.links:
+        # A gap below 0 is an overlap.
         flight_length = flight_length + np.maximum(link.gap, 0.0)
     return flight_length / scale
 
@@ -209,11 +219,11 @@ def count_ticks(
 ) -> tuple[int, list[int]]:
     """Ticks of the longest transit, and of all durations, on the clock of one member.
 
-    `durations`, s, are the transit times and others; `longest`, s, is the longest
-    transit time, or what stands for it in a row without rods. The clock must count to
-    `end`, s. Durations in simple ratios keep them, see `assign_ticks`; the others are
-    rounded to whole ticks. If no clock counts to the end, 0 and an empty list are
-    returned.
+    `durations`, s, are the transit times, possibly with other times; `longest`, s, is
+    the longest of them, or a time that replaces it in a row without rods. The clock
+    must count to `end`, s. Durations in simple ratios keep these ratios, see
+    `tick_rule.assign_ticks`; the others are rounded to whole ticks. If no clock counts
+    to `end`, 0 and an empty list are returned.
     """
     bits = rule.clock_bits(end / longest)  # the longest transit has about 2^bits ticks
     if bits < rule.MIN_TRANSIT_BITS:
@@ -221,7 +231,7 @@ def count_ticks(
     counted = blank(len(durations), rule.DURATION)
     for i in range(len(counted)):
         counted[i].time = durations[i]
-    longest_ticks = 1 << bits
+    longest_ticks = 1 << bits  # in a row without durations
     if len(counted) > 0:
         longest_ticks = rule.assign_ticks(counted, bits)  # this sets `ticks` of each
     return longest_ticks, [duration.ticks for duration in counted]
@@ -231,11 +241,12 @@ def most_rounded(row: Any, ticks: Any, tick: float) -> tuple[float, str]:
     """Largest relative change of a transit time by rounding, and that segment's path.
 
     `ticks` are the rounded transit times by segment, `tick` is the duration of a tick,
-    s. If nothing is rounded these are 0 and the path of the first segment; in a row
-    without segments 0 and "". The page of `explorer` has this function as JavaScript.
+    s. If all transit times are exact, the result is 0 and the path of the first
+    segment; in a row without segments it is 0 and "". The web page has this function as
+    JavaScript.
     """
     error = 0.0
-    worst = 0  # segment counted from 1; `paths` has "" for 0
+    worst = 0  # number of the segment, from 1 on; `paths` has "" at 0
     if len(row.segments) > 0:
         worst = 1
     for s, segment in enumerate(row.segments):
@@ -247,9 +258,9 @@ def most_rounded(row: Any, ticks: Any, tick: float) -> tuple[float, str]:
 
 
 def too_long(end: float, longest: float) -> tuple[str, str]:
-    """Path "until" and the sentence that refuse a run to `end`, s: no clock counts it.
+    """Path "until" and the sentence that refuse a run to `end`, s, as too long.
 
-    The sentence names the longest time that could be counted. `longest` is the longest
+    The sentence names the longest time that a clock can count. `longest` is the longest
     transit time, s.
     """
     most = rule.countable_time(longest)
@@ -260,10 +271,10 @@ def too_long(end: float, longest: float) -> tuple[str, str]:
 
 
 def too_short(path: str, transit: float, longest: float) -> tuple[str, str]:
-    """Path, as given, and the sentence that refuse the segment with this path.
+    """The given path and the sentence that refuse the segment with this path.
 
-    Its `transit` time is too short beside the `longest` transit time, both s, for whole
-    ticks.
+    Its transit time `transit` is too short beside the longest transit time `longest`,
+    both in s, to be counted in ticks.
     """
     return path, (
         f"its transit time {transit:.3g} s is too short beside the longest, "

@@ -1,16 +1,16 @@
-"""Contact laws in kernels.
+"""Contact laws in kernels, for both methods that have compliant contacts.
 
-They say what each law says, for both methods that carry compliant contacts. Compression
-is positive: F > 0 presses two neighbours apart, d > 0 is their overlap, d' its rate.
+Compression is positive: F > 0 presses two neighbours apart, d > 0 is their overlap, and
+d' its rate.
 
-The method "characteristics" asks for the force of a link by d and by `closing`, the
-rate at which the link would close without its own force: d' = closing - Y F, Y the
-mobility beside the link. It asks as well what ends the status of a link. The grid asks
-for the mean force over a time step.
+The method "characteristics" needs the force of a link as a function of d and `closing`,
+the rate at which the link would close without its own force: d' = closing - Y F, with Y
+the mobility beside the link. It also needs the guards that end the status of a link.
+The grid needs the mean force over a time step.
 
 A new law is a branch in `force` and in `mean_force`, and in `pressing_sign` if its
-force can end while there is still overlap. The page has the part for characteristics as
-JavaScript.
+force can end while there is still overlap. The web page has the part for
+characteristics as JavaScript.
 
 Letters: k stiffness, p exponent, c damping of a dashpot, chi damping of Hunt and
 Crossley, Y mobility, F force.
@@ -24,55 +24,60 @@ from .link import Law
 from .states import Status
 
 MAX_ITERATIONS = 20
-"""Most steps to find a force that depends on the rate which it makes.
+"""Largest number of Newton steps for a force that depends on the closing rate.
 
-The last one counts.
+The result of the last step is used, converged or not.
 """
 FORCE_RTOL = 1e-14
-"""Relative change of that force in the last step; the next is below round-off."""
+"""Relative change of this force in the last Newton step; the next is round-off."""
 SERIES_RANGE = 1 / (1 << 6)
-"""Relative change of the overlap below which a difference is taken as a series.
+"""Relative change of the overlap below which a difference quotient becomes a series.
 
-Below it the difference quotient loses 6 bits and more; the series leaves out the fourth
-power.
+Below it the quotient loses 6 bits or more. The series neglects the fourth power.
 """
 
 
-# What kind of force -------------------------------------------------------------------
+# Kinds of force -----------------------------------------------------------------------
 
 
 def has_dashpot(link: Any) -> bool:
-    """Whether a link has a dashpot beside its spring.
+    """Whether a link is a spring with a parallel dashpot.
 
-    A dashpot presses without overlap too. The damping of a contact that yields is no
-    such dashpot.
+    A dashpot presses without overlap, too. The damping of other laws, which multiplies
+    their force, is no dashpot.
     """
     return bool(link.law == Law.SPRING and link.damping > 0)
 
 
 def force_jumps(link: Any) -> bool:
-    """Whether the force of a link jumps as the link closes."""
+    """Whether the force of a link jumps when the link closes.
+
+    It does for a rigid link and for a spring with a dashpot.
+    """
     return bool(link.law == Law.RIGID or has_dashpot(link))
 
 
 def is_nonlinear(link: Any) -> bool:
     """Whether a Newton iteration for the force of a link needs more than one step.
 
-    All laws do but springs, and what yields along straight lines without damping.
+    It does for power laws, laws of the user, and yielding laws with damping. Without
+    damping a yielding law is piecewise linear.
     """
     law = link.law
     is_straight = law == Law.YIELD and link.damping == 0
-    # Behind SPRING come powers, yielding laws and those of the user.
+    # In `Law`, POWER, YIELD and OWN follow SPRING.
     return bool(law > Law.SPRING and not is_straight)
 
 
 def lets_go(link: Any) -> bool:
-    """Whether losses can end the force of a link while there is still overlap.
+    """Whether `pressing_sign` is an additional guard of a link that presses.
 
-    False for a spring with a dashpot, of which this holds, too: it presses without
-    overlap as well, so that `pressing_sign` is its first guard, not an additional one.
+    It is for a power law, a yielding law or a law of the user with losses, which can
+    end the force while there is still overlap. For a spring with a dashpot the result
+    is False: its force can end in the same way, but it also presses without overlap, so
+    that `pressing_sign` is its only guard, see `guard`.
     """
-    # Behind SPRING come powers, yielding laws and those of the user.
+    # In `Law`, POWER, YIELD and OWN follow SPRING.
     return bool(link.law > Law.SPRING and link.damping > 0)
 
 
@@ -83,13 +88,13 @@ def force(link: Any, d: float, closing: float) -> tuple[float, float, float]:
     """Force F of a link that is not open, N, with dF/dd, N/m, and dF/dclosing, N s/m.
 
     d is the overlap, m; `closing`, m/s, is the rate at which it would grow without F. A
-    law that feels the true rate d' = closing - Y F is solved for F. Below d = 0 a power
-    goes on as an odd function, so that Newton's method and the search for d = 0 pass. A
-    bond or a rigid contact takes all closing away, F = closing/Y; a rod is beside it,
-    so that Y is positive.
+    law that depends on the true rate d' = closing - Y F is solved for F. For d < 0 a
+    power law continues as an odd function, so that Newton's method and the search for
+    d = 0 do not fail. At a bond or a rigid contact d' = 0, so that F = closing/Y; there
+    is a rod beside it, so that Y > 0.
 
     A link at rest (REST) has no law: its force is such that `closing` is 0. In place of
-    F stands what must become 0, `closing`.
+    F this residual, `closing`, is returned, with its derivatives 0 and 1.
     """
     law = link.law
     if link.status == Status.REST:
@@ -99,9 +104,9 @@ def force(link: Any, d: float, closing: float) -> tuple[float, float, float]:
         return closing / Y, 0.0, 1 / Y
     if law == Law.OWN:
         return own_force(link, d, closing)
-    if is_nonlinear(link):  # a power, or what yields with damping
+    if is_nonlinear(link):  # a power law, or a yielding law with damping
         return power_force(link, d, closing)
-    # A spring, a joint, or what yields along straight lines
+    # A spring, a joint, or a yielding law without damping
     return spring_force(link, d, closing)
 
 
@@ -111,7 +116,7 @@ def spring_force(link: Any, d: float, closing: float) -> tuple[float, float, flo
     d' = closing - Y F, where `closing` is the rate without F and Y the mobility of the
     link. Solved for F, with share = 1/(1 + c Y):
     F = (k d + c closing) share,  dF/dd = k share,  dF/dclosing = c share.
-    F may be below 0.
+    F may be negative. For a yielding law c = 0.
     """
     k = link.stiffness
     c = link.damping
@@ -130,8 +135,8 @@ def power_force(link: Any, d: float, closing: float) -> tuple[float, float, floa
     F = g (1 + chi closing) share,  dF/dg = (1 + chi closing) share^2,
     dF/dclosing = g chi share.
 
-    Below d = 0 there is no damping: F = -k abs(d)^p, and dF/dclosing = 0. Soil at a toe
-    is the same with p = 1 and its J for chi (Smith 1960).
+    For d < 0 there is no damping: F = -k abs(d)^p, and dF/dclosing = 0. Soil at a toe
+    is the same with p = 1 and its damping factor J as chi (Smith 1960).
     """
     k = link.stiffness
     p = link.exponent
@@ -140,23 +145,23 @@ def power_force(link: Any, d: float, closing: float) -> tuple[float, float, floa
     if p == 1.5:
         root = math.sqrt(x)
     else:
-        root = x ** (p - 1)  # 1 if the law is linear
-    g = k * d * root  # odd in d
+        root = x ** (p - 1)
+    g = k * d * root  # an odd function of d
     slope = p * k * root  # dg/dd
     if chi == 0 or d < 0:
         return g, slope, 0.0
     Y = link.mobility
     share = 1 / (1 + g * chi * Y)
     ratio = (1 + chi * closing) * share  # F/g
-    # dF/dd is slope dF/dg.
+    # dF/dd = dg/dd dF/dg, with dF/dg = ratio share
     return g * ratio, slope * ratio * share, g * chi * share
 
 
 def user_force(function: int, d: float, rate: float) -> float:  # noqa: ARG001
-    """Force f(d, d') of the law of the user with this number, N.
+    """Force f(d, d') of the law of the user with the number `function`, N.
 
-    This text stands for laws of the user, and is never run: `compiling` puts theirs in
-    its place.
+    This body is a placeholder that never runs: `compiling` replaces it by calls of the
+    laws of the user.
     """
     return 0.0
 
@@ -164,9 +169,9 @@ def user_force(function: int, d: float, rate: float) -> float:  # noqa: ARG001
 def odd_user_force(link: Any, d: float, rate: float) -> float:
     """Force of the law f of the user, N, at the overlap d, m, and its rate d', m/s.
 
-    It is f(d, d') for d >= 0, and f(0, d') - f(-d, 0) below. Nobody has defined f for
-    d < 0. It goes on falling there, so that Newton's method and the search for d = 0
-    pass.
+    It is f(d, d') for d >= 0. For d < 0, where the user has not defined f, it is
+    f(0, d') - f(-d, 0): it continues to fall, so that Newton's method and the search
+    for d = 0 do not fail.
     """
     number = link.function
     if d < 0:
@@ -179,12 +184,12 @@ def own_force(link: Any, d: float, closing: float) -> tuple[float, float, float]
 
     d' = closing - Y F, where `closing` is the rate without F and Y the mobility of the
     link. F is found by Newton's method for f(d, closing - Y F) - F = 0, with
-    differences for the derivatives of f; the last of `MAX_ITERATIONS` steps counts in
-    any case. The derivatives of F are smaller than those of f by
-    share = 1/(1 + Y df/dd'), as the force slows down the closing that makes it.
+    difference quotients as the derivatives of f. After `MAX_ITERATIONS` steps F is
+    used, converged or not. The derivatives of F are those of f times
+    share = 1/(1 + Y df/dd'), as the force reduces the rate on which it depends.
     """
     Y = link.mobility
-    F = odd_user_force(link, d, closing)  # first guess: the force does not slow it down
+    F = odd_user_force(link, d, closing)  # first guess: d' = closing
     rate_step = link.rate_step
     slope = 0.0  # df/dd'
     for _ in range(MAX_ITERATIONS):
@@ -209,11 +214,11 @@ def own_force(link: Any, d: float, closing: float) -> tuple[float, float, float]
 
 
 def guard_count(link: Any) -> int:
-    """Number of guards that keep the status of a link, see `guard`.
+    """Number of guards that watch the status of a link, see `guard`.
 
-    It is 0 for BOND, 2 for GRAZE, and 1 for OPEN and REST. PLASTIC has 2 if its table
-    has a next knot, else 1. PRESS has 1 and one more each if the link yields and if
-    `lets_go` holds.
+    It is 0 for BOND, 2 for GRAZE, and 1 for OPEN and REST. For PLASTIC it is 2 if the
+    table has a next knot, else 1. For PRESS it is 1, plus 1 if the link can yield, plus
+    1 if `lets_go` is true.
     """
     status = link.status
     count = 1
@@ -222,7 +227,8 @@ def guard_count(link: Any) -> int:
     elif status == Status.GRAZE:
         count = 2  # it opens, or presses again
     elif status == Status.PLASTIC:
-        if link.knots[link.next_knot] < UNREACHED:  # there is a next knot
+        # Without a next knot, the table has UNREACHED in its place.
+        if link.knots[link.next_knot] < UNREACHED:
             count = 2
     elif status == Status.PRESS:
         if link.law == Law.YIELD:
@@ -233,13 +239,13 @@ def guard_count(link: Any) -> int:
 
 
 def pressing_sign(link: Any, d: float, closing: float, F: float, scale: float) -> float:
-    """A number without dimension that has the sign of the force of a law with losses.
+    """Dimensionless number that has the sign of the force of a law with losses.
 
-    That is f Y/scale for a law f of the user, (k d/c + closing)/scale for a dashpot
-    beside a spring, and 1 + chi closing else: there `closing`, the rate without the
-    force F, stands for d', which is the same where F is 0. `scale` is that of
-    velocities, m/s. In f Y/scale `effective_mobility` is taken for Y, as Y is 0 between
-    masses.
+    It is f Y/scale for a law f of the user, (k d/c + closing)/scale for a spring with a
+    dashpot, and 1 + chi closing for any other law. The last two use `closing`, the rate
+    without the force F, in place of d': both are equal where F = 0. `scale` is the
+    velocity scale, m/s. Y is `effective_mobility`, as the mobility beside a link
+    between masses is 0.
     """
     damping = link.damping
     if link.law == Law.OWN:
@@ -262,27 +268,29 @@ def guard(
     scale: float,
     length: float,
 ) -> tuple[float, int]:
-    """Value of guard number `which` of a link, and the status that follows it.
+    """Dimensionless value of guard `which` of a link, and the status that follows it.
 
-    The value has no dimension. The status of the link lasts until one of its guards
-    falls below 0; that guard tells the next status. Damping can end the force while
-    there is still overlap (GRAZE), until the overlap is gone (OPEN) or it presses again
-    (PRESS). PLASTIC lasts until the contact no longer closes (PRESS, with a new yield
-    force), or comes to a knot of its table (PLASTIC, with another hardening).
+    The status of the link lasts until one of its guards falls below 0; the next status
+    is the one that belongs to this guard. Damping can end the force while there is
+    still overlap: the status is then GRAZE, until the overlap is 0 (OPEN) or the force
+    is positive again (PRESS). PLASTIC lasts until the contact no longer closes (PRESS,
+    with a new yield force), or until the force reaches a knot of the table (PLASTIC,
+    with the next hardening).
 
     Parameters
     ----------
     link : LINK
     which : int
-        Which guard, from 0 to `guard_count` - 1; see the table below.
+        Number of the guard, from 0 to `guard_count` - 1; see the table below.
     d, closing, F : float
-        Overlap, m, closing without the own force, m/s, and force, N.
+        Overlap, m, closing rate without the force, m/s, and force, N.
     scale, length : float
         Scales of velocities, m/s, and of overlaps, m.
 
     Notes
     -----
-    The guards by status, and of PRESS by kind of link ("lack": what the force lacks)::
+    The guards by status, for PRESS also by kind of link. "Lack" is the relative
+    difference by which the force is smaller::
 
         status                  guard 0          guard 1              guard 2
         OPEN                    gap
@@ -309,18 +317,18 @@ def guard(
         return rate / scale, Status.PRESS.value
     if status == Status.PRESS and link.law == Law.RIGID:
         return F * link.mobility / scale, Status.OPEN.value
-    # What is left is GRAZE, and PRESS of a law that is not rigid.
+    # The remaining cases are GRAZE, and PRESS of a law that is not rigid.
     sign = pressing_sign(link, d, closing, F, scale)
     if status == Status.GRAZE and which == 1:
         return -sign, Status.PRESS.value
     if link.law == Law.YIELD and which == 1:
-        # It begins to yield at the force that it would have without damping.
+        # Yielding begins when the force without damping reaches the yield force.
         if link.damping > 0:
             static_force = link.stiffness * d
         else:
             static_force = F
         return 1 - static_force / link.yield_force, Status.PLASTIC.value
-    # The last guard of PRESS, in the table: 0 with a dashpot, else 1 or 2
+    # `pressing_sign` is the last guard of PRESS: 0 with a dashpot, otherwise 1 or 2.
     if status == Status.PRESS and (which > 0 or has_dashpot(link)):
         return sign, Status.GRAZE.value
     # Guard 0 of GRAZE, and of PRESS without a dashpot: the overlap
@@ -330,13 +338,13 @@ def guard(
 def follows_overlap(link: Any, which: int) -> bool:
     """Whether guard number `which` of a link is its overlap or its gap, without jumps.
 
-    That is guard 0 of OPEN, of GRAZE, and of PRESS if the force of the link does not
-    jump as it closes. Other guards jump where an incoming wave does.
+    It is for guard 0 of OPEN, of GRAZE, and of PRESS if `force_jumps` is false. Other
+    guards jump where an incoming wave jumps.
     """
     status = link.status
-    if status == Status.OPEN:
+    if status == Status.OPEN:  # its only guard
         return True
-    if which > 0 or status > Status.PRESS:  # PLASTIC or REST: it yields, or rests
+    if which > 0 or status > Status.PRESS:  # PLASTIC and REST follow PRESS
         return False
     if status == Status.PRESS:
         return not force_jumps(link)
@@ -346,18 +354,19 @@ def follows_overlap(link: Any, which: int) -> bool:
 def break_order(link: Any, order: int) -> Any:
     """Order of the break in the force of a link: of the lowest derivative that jumps.
 
-    The velocity beside the link has a break of `order`. The force of a rigid link, a
-    bond or a damped one follows velocities: the order is the same. That of a spring
-    follows their integral: it is one order smoother. A link that is open or lets go has
-    no force that follows. A break of the link itself, at its last event, counts if it
-    is rougher.
+    The velocity beside the link has a break of order `order`. The force of a rigid
+    link, a bond or a damped link depends on velocities, so that its order is `order`.
+    The force of a spring depends on their integral, so that its order is `order` + 1.
+    The break of the link itself, from its last event, has the order `link.break_order`.
+    The lower order is returned. A link that is OPEN or in GRAZE has no force: its own
+    order is returned.
     """
     status = link.status
     law = link.law
     own_order = link.break_order
     if status == Status.OPEN or status == Status.GRAZE:
         return int(own_order)
-    is_bond_or_push = law <= Law.PUSH_RIGHT  # bonds and pushes come first in `Law`
+    is_bond_or_push = law <= Law.PUSH_RIGHT  # bonds and pushes are first in `Law`
     if is_bond_or_push or law == Law.RIGID or link.damping > 0:
         return min(own_order, order)
     return min(own_order, order + 1)
@@ -369,13 +378,14 @@ def break_order(link: Any, order: int) -> Any:
 def mean_force(link: Any, x0: float, x1: float) -> tuple[float, float]:
     """Mean force F of a compliant contact over a time step, N, and dF/dx1.
 
-    Its overlap x goes from x0 to x1 at a constant rate. Time is counted in steps and
-    lengths in m/s, so that dx/dt = x1 - x0 = w. The link is not changed.
+    Its overlap x goes from x0 to x1 at a constant rate. Time is counted in steps, and
+    lengths are divided by the step, m/s, so that dx/dt = x1 - x0 = w. The link is not
+    changed.
 
-    SPRING: mean of k x + c w where x > 0 and this presses.
-    POWER: mean of k x^p where x > 0, times 1 + chi w.
-    YIELD: work along the lines of its table over w, times 1 + chi w.
-    Both are 0 without overlap, or if the mean is not above 0.
+    SPRING: mean of max(k x + c w, 0) for x > 0, with 0 for x < 0.
+    POWER: mean of k x^p for x > 0, times 1 + chi w.
+    YIELD: work along the lines of its table, divided by w, times 1 + chi w.
+    F and dF/dx1 are 0 if x is never positive, or if the mean is not positive.
     """
     if x0 <= 0 and x1 <= 0:
         return 0.0, 0.0
@@ -386,17 +396,17 @@ def mean_force(link: Any, x0: float, x1: float) -> tuple[float, float]:
     if law == Law.POWER:
         F, dF = mean_power(k, link.exponent, x0, x1)
     elif law == Law.YIELD and w > 0 and x1 > link.yield_force / k:
-        # x0 is at most the overlap at which it yields, but for round-off.
+        # Except for round-off, x0 is at most the overlap at which it yields.
         end_force, work, _ = load_plastically(link, x0, x1)
         F = work / w
-        # The derivative of work/w is this, as that of the work is the force at its end.
+        # d(work)/dx1 is the force at x1, and dw/dx1 = 1.
         dF = max((end_force - F) / w, 0.0)
-    elif law == Law.YIELD:
+    elif law == Law.YIELD:  # elastic in this step
         F, dF = mean_spring(k, 0.0, x0, x1)
     else:  # a spring, which may have a dashpot
         F, dF = mean_spring(k, damping, x0, x1)
-    # Powers and what yields are damped by the factor 1 + chi w, `damping` being chi. A
-    # spring is not: its mean has the dashpot already.
+    # The damping of power and yielding laws is chi, and their factor 1 + chi w. The
+    # mean of a spring already includes its dashpot.
     if law == Law.POWER or (law == Law.YIELD and damping > 0):
         factor = 1 + damping * w
         dF = dF * factor + F * damping  # product rule, as dw/dx1 = 1
@@ -407,34 +417,37 @@ def mean_force(link: Any, x0: float, x1: float) -> tuple[float, float]:
 
 
 def mean_spring(k: float, c: float, x0: float, x1: float) -> tuple[float, float]:
-    """Mean F of max(k x + c w, 0), and 0 where x < 0, from x0 to x1, N, and dF/dx1.
+    """Mean force F of a spring with a dashpot from x0 to x1, N, and dF/dx1.
 
-    x0 or x1 is positive, and w = x1 - x0. With a and b the ends of the part of the way
-    on which it presses, F = (b - a)/w (k (a + b)/2 + c w).
+    The overlap goes from x0 to x1, at least one of them positive, at the constant rate
+    w = x1 - x0, in the units of `mean_force`. The force is max(k x + c w, 0), and 0 for
+    x < 0; k > 0. If it presses between the overlaps a and b,
+    F = (b - a)/w (k (a + b)/2 + c w).
     """
     w = x1 - x0
-    last = k * x1 + c * w  # force at the end of the way
-    if x0 >= 0 and last >= 0:  # it presses all the way: a is x0, b is x1
+    last = k * x1 + c * w  # force at x1
+    if x0 >= 0 and last >= 0:  # it presses all the way: a = x0, b = x1
         return k * (x0 + x1) / 2 + c * w, k / 2 + c
-    # Overlap above which it presses: an opening contact lets go there, a closing one
-    # begins at 0.
-    least = max(-c * w / k, 0.0)
-    a = max(x0, least)
-    b = max(x1, least)
-    share = (b - a) / w  # part of the way on which it presses
+    # It presses where x is above this overlap: for an opening contact (w < 0) where
+    # k x + c w > 0, for a closing one where x > 0.
+    press_from = max(-c * w / k, 0.0)
+    a = max(x0, press_from)
+    b = max(x1, press_from)
+    share = (b - a) / w  # fraction of the step in which it presses
     F = share * (k * (a + b) / 2 + c * w)
-    # d(F w)/dx1 = max(last, 0) + c (b - a): the force at the end of the way, and the
-    # rise of the rate w all along it
+    # F w is the integral of the force over x, in which w is also the rate. So
+    # d(F w)/dx1 = max(last, 0) + c (b - a), and dw/dx1 = 1.
     return F, (max(last, 0.0) - F) / w + share * c
 
 
 def mean_power(k: float, p: float, x0: float, x1: float) -> tuple[float, float]:
-    """Mean F of k x^p, 0 for x < 0, from x0 to x1, N, and dF/dx1.
+    """Mean F of the force k x^p from x0 to x1, N, and dF/dx1; the force is 0 for x < 0.
 
-    x0 or x1 is positive. F = k (x1^(p + 1) - x0^(p + 1))/((p + 1) w) with w = x1 - x0,
-    and dF/dx1 = (k x1^p - F)/w.
+    At least one of x0 and x1 is positive. With w = x1 - x0 and x0, x1 >= 0,
+    F = k (x1^(p + 1) - x0^(p + 1))/((p + 1) w), and dF/dx1 = (k x1^p - F)/w. For a
+    negative x0 or x1 its power is 0.
 
-    Where x1 is near x0 both lose digits. There, with h = w/x0 and q = p + 1,
+    If x1 is near x0, both formulas lose digits. Then, with h = w/x0 and q = p + 1,
     F = k x0^p ((1 + h)^q - 1)/(q h). For the smallest h the derivative is a series,
     dF/dx1 = k x0^(p - 1) p (1/2 + (p - 1) h/3 + (p - 1)(p - 2) h^2/8 + ...).
     """
@@ -451,7 +464,7 @@ def mean_power(k: float, p: float, x0: float, x1: float) -> tuple[float, float]:
     else:
         # (1 + h)^q - 1 without cancellation
         F = first * math.expm1(q * math.log1p(h)) / (q * h)
-    if abs(q * h) > SERIES_RANGE:  # the derivative still has its digits
+    if abs(q * h) > SERIES_RANGE:  # the difference loses few digits
         return F, (last - F) / w
     # 1/2 + (p - 1) h/3 + (p - 1)(p - 2) h^2/8 + (p - 1)(p - 2)(p - 3) h^3/30
     third = (p - 1) * h
@@ -463,39 +476,39 @@ def mean_power(k: float, p: float, x0: float, x1: float) -> tuple[float, float]:
 def load_plastically(link: Any, x0: float, x1: float) -> tuple[float, float, int]:
     """Load a yielding contact from overlap x0 to x1, along its table.
 
-    x0 is at most the overlap at which it yields, x1 is more. The force rises with the
-    stiffness k to the yield force, then with the slope `hardening_share` k to the next
-    force of `knots`, and after knots[i] with the slope shares[i] k. The link is not
-    changed.
+    x0 is at most the overlap at which it yields, and x1 is larger. The force rises with
+    the stiffness k to the yield force, then with the slope `hardening_share` k to the
+    force knots[next_knot], and after knots[i] with the slope shares[i] k. The table
+    ends with a force that is never reached. The link is not changed.
 
     Returns
     -------
     float
-        Force at x1, which is its yield force from then on, N.
+        Force at x1, the yield force from then on, N.
     float
-        Work on the way, J: the area below the lines.
+        Work from x0 to x1: the area below the lines, N times the unit of x.
     int
-        Number of the next knot, the first that is not reached.
+        Index of the next knot, the first one that is not reached.
     """
     k = link.stiffness
     knot = link.next_knot
-    # `x` and `force` are the point that the load has reached: first where it yields.
+    # (x, force) is the point of the load line reached so far, first the yield point.
     force = link.yield_force
     x = force / k
-    start = max(x0, 0.0)  # a gap has no force
-    work = (x - start) * (force + k * start) / 2  # the elastic part, from start to x
+    start = max(x0, 0.0)  # there is no force in a gap
+    work = (x - start) * (force + k * start) / 2  # trapezium of the elastic line
     slope = link.hardening_share * k
     knots = link.knots
-    # Go on from knot to knot, as long as the force at x1 on this line is beyond it.
+    # Go to the next knot if the present line reaches its force before x1.
     while force + slope * (x1 - x) > knots[knot]:
         knot_force = knots[knot]
-        way = (knot_force - force) / slope  # overlap up to the knot, m
-        work += way * (force + knot_force) / 2
-        x = x + way
+        rise = (knot_force - force) / slope  # of the overlap, up to the knot
+        work += rise * (force + knot_force) / 2
+        x = x + rise
         force = knot_force
         slope = link.shares[knot] * k
         knot += 1
-    last_way = x1 - x
-    end_force = force + slope * last_way
-    work = work + last_way * (force + end_force) / 2
+    last_rise = x1 - x
+    end_force = force + slope * last_rise
+    work = work + last_rise * (force + end_force) / 2
     return end_force, work, knot

@@ -1,7 +1,7 @@
-"""Columns of a family of collisions, by the names that users read; one entry a member.
+"""Columns of a family of collisions, by their public names; one entry a member.
 
-A method that runs many members in one call hands these columns back. Those of a member
-that was refused are nan, and 0 where they are whole numbers.
+A method that runs many members in one call returns these columns. For a refused member
+they are nan, or 0 in columns of whole numbers.
 """
 
 import math
@@ -33,13 +33,14 @@ def family_columns(
     final: Any,
     status: Ints,
 ) -> Columns:
-    """Columns that every family has.
+    """Columns that every family has, by name.
 
-    They are "restitution", "vibration", "final", "status", the velocity after of each
-    body, such as "velocity_after.0", and each total of each contact, such as
-    "impulse.0". Restitution is nan unless one contact alone can open, and where
-    nothing collided or the collision is not over; the other arrays are the arguments
-    themselves.
+    They are "restitution", "vibration", "final", "status", the velocity of each body
+    after the run, such as "velocity_after.0", and each total of each contact, such as
+    "impulse.0". All but "restitution" are the arrays of the arguments, not copied. It
+    is nan unless exactly one contact can open, and for members to which
+    `effective_restitution` gives nan: the collision is not final, the contact never
+    pressed, or the bodies did not approach each other before.
 
     Parameters
     ----------
@@ -49,11 +50,11 @@ def family_columns(
     vibration : [member] array
         Energy left in all bodies together, J.
     contacts : mapping
-        By each name of `CONTACT_COLUMNS`, a list of [member] arrays, one a contact.
+        For each name of `CONTACT_COLUMNS`, a list of [member] arrays, one a contact.
     final : [member] array of bool
-        Whether it is proved that nothing meets again.
+        Whether it is proved that no bodies will meet again.
     status : [member] array of int
-        Places in `STOPPED_BY`.
+        Indices into `STOPPED_BY`.
     """
     restitution = np.full(len(final), math.nan)
     contacts_that_open = unilateral(system)
@@ -77,11 +78,12 @@ def family_columns(
 
 
 def status_column(refused: Any, final: Any, capped: Any, until: float | None) -> Ints:
-    """Place in `STOPPED_BY` of each member, [member].
+    """Index into `STOPPED_BY` of the reason why each member stopped, [member].
 
-    It was refused, is final in a run without a given end, or met the cap on events: the
-    first of these that holds counts. Else it ran to the given end `until`, or without
-    one to the end of the clock. The first three arguments are [member] arrays of bool.
+    The first reason that applies is taken: the member was refused; its collision was
+    final, in a run without a given end; it reached the cap on events. Otherwise it ran
+    to the given end `until`, or to the end of the clock if `until` is None. The first
+    three arguments are [member] arrays of bool.
     """
     if until is None:
         ended_by_proof = final
@@ -89,7 +91,9 @@ def status_column(refused: Any, final: Any, capped: Any, until: float | None) ->
     else:  # a proof does not end such a run
         ended_by_proof = np.zeros_like(final)
         otherwise = "until"
-    # `np.select` takes the first reason that holds.
+    # `np.select` takes the first reason that is True.
     reasons = {"refused": refused, "final": ended_by_proof, "max_events": capped}
-    places = [STOPPED_BY.index(name) for name in reasons]
-    return np.select(list(reasons.values()), places, STOPPED_BY.index(otherwise))
+    indices = [STOPPED_BY.index(name) for name in reasons]
+    return np.select(
+        list(reasons.values()), indices, default=STOPPED_BY.index(otherwise)
+    )

@@ -119,7 +119,7 @@ def body_velocities(system: Any, means: list[Any]) -> list[Any]:
     return velocities
 
 
-def segments_of_groups(system: Any, spans: Any) -> list[int]:
+def first_segments_of_groups(system: Any, spans: Any) -> list[int]:
     """The first segment of each group of bonded or joined bodies, counted from 1.
 
     It is that of its first body that is no wall. A lone wall has no segment: what is

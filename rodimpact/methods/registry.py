@@ -1,7 +1,4 @@
-"""The methods, the physics that each lacks, and the options of a run.
-
-Options are checked in one place.
-"""
+"""The methods, the physics that each lacks, and the options of a run, with checks."""
 
 from __future__ import annotations
 
@@ -45,16 +42,17 @@ class Method(NamedTuple):
     lacks : sequence of str
         Physics that it lacks, by the names of `abilities`.
     takes : tuple of str
-        Names of its own options.
+        Names of the options that not every method takes.
     run : function
         Runs a single collision.
     family : function, optional
         Runs many members of a family in one call; returns their columns.
     members_per_call : function
-        How many of a row's members; 0 where each member is to be run alone.
+        Number of members of a row to run in one call of `family`; 0 if each member must
+        be run by itself.
     also : tuple of str
-        Further columns that `family` finds if asked. All others are read member by
-        member.
+        Further columns that `family` computes on request. Other columns are computed
+        from runs of single members.
     """
 
     lacks: Sequence[str]
@@ -65,8 +63,8 @@ class Method(NamedTuple):
     also: tuple[str, ...] = ()
 
     def lacking(self, needs: Needs) -> Needs:
-        """Those of these needs, path and name of physics, that the method lacks."""
-        return [need for need in needs if need[1] in self.lacks]
+        """The needs, pairs of path and name of physics, that the method lacks."""
+        return [(path, physics) for path, physics in needs if physics in self.lacks]
 
 
 METHODS = {
@@ -92,7 +90,7 @@ METHODS = {
 }
 """Methods in the order in which ``"auto"`` tries them.
 
-The fastest is first; the last can do anything.
+The fastest is first; the last one lacks nothing.
 """
 
 LARGEST_COUNT = 10**15
@@ -100,7 +98,7 @@ METHOD_NAMES = ("auto", *METHODS)
 
 
 class Options(FrozenDataclass):
-    """How to run a collision, or each one of a family.
+    """Options of the run of a collision, or of each member of a family.
 
     Parameters
     ----------
@@ -113,7 +111,7 @@ class Options(FrozenDataclass):
     dt : float, optional
         Time step of a grid, s.
     rtol : float, optional
-        Relative error of the outcome that is accepted; not for fronts.
+        Accepted relative error of the outcome; not for fronts.
     cells : int, optional
         Cells of a grid in the segment with the longest transit time.
     snapshots : int or array_like, optional
@@ -122,7 +120,7 @@ class Options(FrozenDataclass):
     Raises
     ------
     InvalidModel
-        With all mistakes, each with the name of its option.
+        If options are wrong. It has all mistakes, each with the name of its option.
 
     See Also
     --------
@@ -144,18 +142,19 @@ class Options(FrozenDataclass):
     snapshots: int | ArrayLike | None = None
 
     def _check(self, problems: Problems) -> None:
-        """Check all options, and append what is wrong to `problems`.
+        """Check all options, and append a problem for each mistake to `problems`.
 
-        `max_events`, `cells` and `snapshots` are set as plain numbers. `rtol` must be 1
-        or less, and excludes `dt` and `cells`. An unknown method is refused at once, by
-        an InvalidModel of its own.
+        `max_events` and `cells` are replaced by plain numbers, `snapshots` by a number
+        or a tuple of times. `rtol` must be 1 or less, and must not be given together
+        with `dt` or `cells`. An unknown method raises its own InvalidModel.
         """
         self._set(max_events=checked_count(problems, "max_events", self.max_events))
         if self.cells is not None:
             self._set(cells=checked_count(problems, "cells", self.cells))
         if self.snapshots is not None:
             self._set(snapshots=_snapshots(problems, self.snapshots, self.until))
-        reported = [path for path, _ in problems]  # each option is reported once
+        # Options with a problem so far; an option is not reported twice.
+        reported = [path for path, _ in problems]
         if "rtol" not in reported and self.rtol is not None and self.rtol > 1:
             add_problem(
                 problems, "rtol", "must be at most 1, the whole outcome", self.rtol
@@ -170,9 +169,9 @@ class Options(FrozenDataclass):
     def method_for(self, system: Any) -> str:
         """Return the name of the method that is to run.
 
-        It is the one that was given; for ``"auto"`` the fastest that has all physics of
-        the system, and that takes `rtol` if it is given. That the method can solve the
-        system with these options is checked.
+        It is the given method. For ``"auto"`` it is the fastest method that has all
+        physics of the system, and that takes `rtol` if this option is given. The method
+        can solve the system with these options, or InvalidModel is raised.
 
         Parameters
         ----------
@@ -182,19 +181,19 @@ class Options(FrozenDataclass):
         Raises
         ------
         InvalidModel
-            If `system` is no System, the method lacks something that the system has, an
-            option is for another method, or `until` is missing.
+            If `system` is no System, if the method lacks physics of the system, if an
+            option belongs to another method, or if `until` must be given.
         """
         check_kind("system", system, System, "System([rod, Wall()])")
         needs = abilities.needs(system)
-        capable = capable_of(needs)  # never empty: the last method can do anything
+        capable = capable_of(needs)  # never empty: the last method lacks nothing
         method = self.method
         if method == "auto":
             method = self._first_of(capable)
-        missing = METHODS[method].lacking(needs)  # physics; empty for a capable method
-        if len(missing) > 0:
-            remedy = f'method "{capable[0]}" has'  # that physics
-            # A taper can be replaced by steps; it helps if nothing else is missing.
+        missing = METHODS[method].lacking(needs)  # (path, physics) of each
+        if len(missing) > 0:  # the given method is not capable
+            remedy = f'method "{capable[0]}" has'  # the message ends here, or goes on
+            # Steps can replace a taper. The advice helps if only tapers are missing.
             if all(physics == abilities.TAPER for _, physics in missing):
                 remedy += ", or give rod.in_steps(n)"
             problems: Problems = []
@@ -213,13 +212,14 @@ class Options(FrozenDataclass):
     def _check_options_of(self, method: str) -> None:
         """Raise InvalidModel if options are given that only other methods take.
 
-        The options are `dt`, `rtol`, `cells` and `snapshots`; all mistakes are told.
+        The options are `dt`, `rtol`, `cells` and `snapshots`; the error has a problem
+        for each of them that `method` does not take.
         """
         used = f'"{method}"'
         if self.method == "auto":
             used += ', which "auto" takes'
         problems: Problems = []
-        # This method takes every option that any method takes.
+        # This method takes all options that a method can take.
         for name in METHODS["finite-difference"].takes:
             is_given = getattr(self, name) is not None
             if is_given and name not in METHODS[method].takes:
@@ -238,17 +238,17 @@ class Options(FrozenDataclass):
         system : System
             Of shape ().
         report : function
-            Told of the progress of a long run.
+            Called now and then with the progress of a long run.
 
         Raises
         ------
         InvalidModel
-            If the method does not exist or lacks something that the system has, the
-            system is a family or no System, or `report` is no function.
+            If the method does not exist or lacks physics of the system, if the system
+            is a family or no System, or if `report` is no function.
         """
         check_choice("method", method, tuple(METHODS))
         check_kind("system", system, System, "System([rod, Wall()])")
-        if system.shape:
+        if system.shape:  # not (), that of a single system
             message = f"is a family of shape {system.shape}; take a member, system[0]"
             raise invalid_argument("system", message)
         problems: Problems = []
@@ -261,11 +261,11 @@ class Options(FrozenDataclass):
     def _run_checked(self, method: str, system: System, report: ProgressReport) -> Run:
         """Run a single collision, as `run`; the arguments are not checked.
 
-        If only some entries of the system, such as its gravity, kept ``"auto"`` from
-        the fastest method, the status of the run also says which entries, and which
-        method ran; see `_why`.
+        If ``"auto"`` could not take the fastest method because of single entries of the
+        system, such as its gravity, the sentence of `_why` is added to the status of
+        the run.
         """
-        # Options that only this method, or some methods, take
+        # Options that not every method takes
         own_options = {name: getattr(self, name) for name in METHODS[method].takes}
         run = METHODS[method].run(
             build_row(system),
@@ -274,7 +274,7 @@ class Options(FrozenDataclass):
             **own_options,
             report=report,
         )
-        fastest = next(iter(METHODS))  # the first one
+        fastest = next(iter(METHODS))  # the first method
         if self.method == "auto" and method != fastest:
             reason = self._why(method, system)
             if reason:
@@ -282,27 +282,29 @@ class Options(FrozenDataclass):
         return run
 
     def _first_of(self, capable: list[str]) -> str:
-        """The first of these methods; with `rtol`, the first that takes it."""
+        """The first of these methods; if `rtol` is given, the first that takes it."""
         if self.rtol is None:
             return capable[0]
         return next(name for name in capable if "rtol" in METHODS[name].takes)
 
     def _why(self, method: str, system: System) -> str:
-        """Sentence on what keeps a system from a faster method, if single entries do.
+        """Sentence on single entries that prevent a faster method, or "" if none do.
 
-        Single entries of a rod or of the system switch on physics of
-        `abilities.SINGLE`, such as gravity. The faster method is the one that would be
-        taken without them; the text is empty if that is `method` itself, which is then
-        needed for other physics.
+        Physics of `abilities.SINGLE`, such as gravity, needs a single entry of a rod or
+        of the system. The faster method is the one that ``"auto"`` would take without
+        such entries. If this is `method` itself, other physics needs it, and the text
+        is empty.
         """
-        needs = abilities.needs(system)  # path and name of physics
-        needs_of_many = [need for need in needs if need[1] not in abilities.SINGLE]
-        # The method that would be taken were it not for single entries
-        faster = self._first_of(capable_of(needs_of_many))
+        needs = abilities.needs(system)
+        other_needs: Needs = []  # without physics of single entries
+        for path, physics in needs:
+            if physics not in abilities.SINGLE:
+                other_needs.append((path, physics))
+        faster = self._first_of(capable_of(other_needs))
         if faster == method:
             return ""
         missing = METHODS[faster].lacking(needs)
-        path, physics = missing[0]
+        path, physics = missing[0]  # the message names the first and counts the others
         more = ""
         if len(missing) > 1:
             more = f" and {len(missing) - 1} more"
@@ -313,23 +315,27 @@ class Options(FrozenDataclass):
 
 
 def capable_of(needs: Needs) -> list[str]:
-    """Names of the methods that lack none of these needs, the fastest first."""
+    """Names of the methods that lack none of these physics, the fastest first.
+
+    The last method always is among them.
+    """
     return [name for name, method in METHODS.items() if not method.lacking(needs)]
 
 
 def _takers(option: str) -> str:
-    """Names of the methods that take an option, for a message."""
+    """Names of the methods that take an option, quoted and joined by "or"."""
     return " or ".join(
         f'"{name}"' for name, method in METHODS.items() if option in method.takes
     )
 
 
 def checked_count(problems: Problems, name: str, value: Any) -> int:
-    """Return an option as a whole number from 1 to `LARGEST_COUNT`.
+    """Return the value of an option as a whole number from 1 to `LARGEST_COUNT`.
 
-    If it is none, append a problem with its name to `problems`, and return 0.
+    If it is no such number, append a problem with the name of the option to `problems`,
+    and return 0.
     """
-    counted = 0  # for what is no whole number
+    counted = 0  # out of range, if `value` is no whole number
     if is_integer(value):
         counted = int(value)
     if 1 <= counted <= LARGEST_COUNT:
@@ -344,7 +350,7 @@ def checked_count(problems: Problems, name: str, value: Any) -> int:
 
 
 def check_function(problems: Problems, name: str, value: Any) -> None:
-    """Note a problem if a value is given that cannot be called."""
+    """Append a problem to `problems` if a value other than None is no function."""
     if value is not None and not is_function(value):
         problems.append((name, f"must be a function, got {shown(value)}"))
 
@@ -354,13 +360,13 @@ def _snapshots(
 ) -> int | tuple[float, ...]:
     """Return `snapshots` as a number of states or as a tuple of their times, s.
 
-    Times must be one or more, 0 or later, and not after `until` if that is given; they
-    may have a unit. If the value is neither, append a problem to `problems`, and return
-    0.
+    Times must be a list of at least one entry, not negative, and not after `until` if
+    that is given; they may have a unit. If the value is neither a number nor times,
+    append a problem to `problems`, and return 0.
     """
-    # A value that is no number may still be times, so that its problem does not count:
-    # it goes to a list of its own. The number is 0 then.
-    number = checked_count([], "snapshots", value)
+    # If the value is no number it may still be times: its problem is discarded here.
+    discarded: Problems = []
+    number = checked_count(discarded, "snapshots", value)
     if number > 0:
         return number
     interval = "non-negative"
@@ -368,7 +374,7 @@ def _snapshots(
     if until is not None:
         interval = f"[0, {until!r}]"
         before = f" up to until = {until!r} s"
-    with suppress(ValueError):  # it is no array of times: the message below says so
+    with suppress(ValueError):  # if it is no array of times, see the message below
         times = array("snapshots", value, "s", interval)
         if times.ndim == 1 and times.size:
             return tuple(times.tolist())

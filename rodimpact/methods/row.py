@@ -1,9 +1,10 @@
 """A system as a row of segments, rigid masses and links, in flat lists.
 
 Every method starts from a `Row`, which `row_builder.build_row` makes. Segments are
-counted 1 to n from left to right; 0 and n + 1 are what lies outside. Node k joins the
-segments k and k + 1: rigid masses may stand there, and links join what stands beside
-each other. Numbers are those of the system, in SI: floats, or for a family arrays.
+counted 1 to n from left to right; 0 and n + 1 stand for the outside. Node k joins the
+segments k and k + 1. Rigid masses may stand at a node, between its two segments, and a
+link joins each pair of neighbours. Numbers are those of the system, in SI units:
+floats, or for a family arrays.
 """
 
 from __future__ import annotations
@@ -31,27 +32,31 @@ class Row:
     Attributes
     ----------
     system : System
-        On the page a table with the same names.
+        On the web page a table with the same names.
     segments : list of Segment
+        Segment s is entry s - 1.
     paths : list of str
-        By segment, what the user calls it; "" for 0.
+        Path of each segment in the user's model; entry 0 is "".
     spans : list of (int, int)
         First and last segment of each body, counted from 1; (1, 0), without segments,
         for a wall or a rigid mass.
     first_mass : list of int
-        First mass of each node, which is the number of masses left of it; the links of
-        node k begin at k + first_mass[k].
+        Index of the first mass of each node, which is the number of masses left of the
+        node; the last entry is the number of all masses. The links of node k begin at
+        k + first_mass[k].
     masses, mass_velocity : list of float
-        Bodies bonded together are one mass, kg and m/s.
+        Masses, kg, and their velocities, m/s. Rigid bodies bonded together are one
+        mass.
     mass_of : list of int
-        Mass of each body; len(masses) + 0 or 1 if bonded to the left or right wall, -1
-        for a rod or a wall.
+        Index of the mass of each body; -1 for a rod or a wall. For a body bonded to the
+        left wall it is len(masses), to the right wall len(masses) + 1.
     links : list of link.Link
     contact_link : list of int
-        Link of each contact, -1 where it joins rigid bodies for good.
+        Index of the link of each contact; -1 for a bond of two rigid bodies.
     boundaries : list of (str, value)
-        Left and right: ``"none"``, ``"velocity"``, ``"force"`` or ``"absorbing"``; the
-        value of the last is the strain of the wave that comes in.
+        Kind and value of the left and the right boundary. Kinds are ``"none"``,
+        ``"velocity"``, ``"force"`` and ``"absorbing"``; the value of the last is the
+        strain of the incoming wave.
     """
 
     system: Any
@@ -68,67 +73,68 @@ class Row:
 
     @cached_property
     def members(self) -> int:
-        """How many rows the family has; 1 where it is none."""
+        """Number of members of the family; 1 for a single system."""
         return math.prod(self.system.shape)
 
     def of(self, value: Any) -> Array:
-        """`value` as a number for each member, [member] in C order.
+        """`value`, a number or an array of the family, for each member, [member].
 
-        It is a number or an array.
+        The members are in C order. The result is a new array of floats.
         """
         return np.array(np.broadcast_to(value, self.system.shape), dtype=float).ravel()
 
     @cached_property
     def frame(self) -> Any:
-        """Velocity of the frame in which methods other than fronts count, m/s."""
+        """Velocity of the frame of methods other than fronts, m/s; see `frame_of`."""
         return float_or_array(np.asarray(frame_of(self)))
 
     @cached_property
     def scale(self) -> Any:
-        """Scale of velocities, m/s."""
+        """Scale of velocities, m/s; see `scale_of`."""
         return float_or_array(np.asarray(scale_of(self)))
 
     # Neighbours -----------------------------------------------------------------------
 
     @cached_property
     def neighbours(self) -> list[tuple[tuple[str, int], tuple[str, int]]]:
-        """By link, the pair of what stands on its left and on its right.
+        """The left and the right neighbour of each link, [link].
 
-        Each is ("outside", side) with side 0 or 1, ("mass", m), counted from 0, or
-        ("segment", s), counted from 1.
+        Each is ("outside", side) with side 0 or 1, ("mass", m) with m counted from 0,
+        or ("segment", s) with s counted from 1.
         """
-        stands = [("outside", 0)]  # all that stands in the row, from left to right
+        parts = [("outside", 0)]  # all masses and segments from left to right
         # Node k has the masses from `start` to `stop` - 1; segment k + 1 follows it.
         for k, (start, stop) in enumerate(pairwise(self.first_mass)):
             for m in range(start, stop):
-                stands.append(("mass", m))
+                parts.append(("mass", m))
             if k < len(self.segments):
-                stands.append(("segment", k + 1))
+                parts.append(("segment", k + 1))
             else:
-                stands.append(("outside", 1))
-        return list(pairwise(stands))
+                parts.append(("outside", 1))
+        return list(pairwise(parts))  # a link joins each pair of neighbours
 
     @cached_property
     def by_law(self) -> dict[int, int]:
-        """Link of each contact that is not bonded, by contact.
+        """Index of the link of each contact that is not bonded, by contact.
 
-        Its force follows from a law.
+        The force of such a contact follows from a law.
         """
         links = {k: i for k, i in enumerate(self.contact_link) if i >= 0}
-        # Bonds come first among the laws.
+        # BOND is the first entry of `Law`.
         return {k: i for k, i in links.items() if self.links[i].law > Law.BOND}
 
     @cached_property
     def unilateral_links(self) -> dict[int, int]:
-        """Link of each contact that can open, by contact."""
-        # Joints come before rigid contacts, all other contacts behind.
+        """Index of the link of each contact that can open, by contact."""
+        # In `Law`, joints precede RIGID, and all other contacts follow it.
         return {k: i for k, i in self.by_law.items() if self.links[i].law >= Law.RIGID}
 
     def boundary_name(self, side: int) -> str:
-        """Name of what acts on the left (0) or right (1) end.
+        """Name of the action on the left (0) or right (1) end.
 
         It is ``"wall"``, ``"absorbing"`` or ``"drive"``, and becomes the `kind` of a
-        `BoundaryAction`. Nothing acts on a free end; its name, "drive", means nothing.
+        `BoundaryAction`. For a free end, on which nothing acts, it is a meaningless
+        ``"drive"``.
         """
         if side == 0:
             body = self.system.bodies[0]
@@ -142,9 +148,9 @@ class Row:
 
 
 def squeezed(seconds: float) -> InvalidModel:
-    """The error to raise where walls squeeze a rigid mass at this time, s.
+    """Make the error for a rigid mass that two walls squeeze at the time `seconds`.
 
-    Its path is "contacts"; nothing is raised here.
+    Its path is "contacts". The caller raises it.
     """
     message = (
         f"two walls squeeze a rigid mass at {seconds:.6g} s; give one of its contacts "

@@ -1,6 +1,6 @@
-"""The one walk through a system, from left to right, which makes a `Row`.
+"""The walk through a system, from left to right, which makes a `Row`.
 
-The page has this as JavaScript, where a system is a table of tables with the same
+The web page has this as JavaScript; there a system is a table of tables with the same
 names.
 """
 
@@ -18,7 +18,7 @@ BOUNDARIES = {
     "absorbing": "absorbing",
     "incoming": "absorbing",
 }
-"""Names in `Row.boundaries` of what acts on an end, by the kind of the end."""
+"""Kinds of boundaries in `Row.boundaries`, by the kind of the end."""
 DRIVEN = ["moved", "pushed", "incoming"]
 """Kinds of ends that have a value."""
 
@@ -26,10 +26,11 @@ DRIVEN = ["moved", "pushed", "incoming"]
 def build_row(system: Any) -> Row:
     """Make the `Row` of a system, walking through it from left to right.
 
-    Each block of rigid bodies becomes a mass or, with a wall in it, a boundary; each
-    rod becomes its segments. Links are, from left to right, the left end, contacts and
-    bonds of segments, and the right end; a wall stands in place of an end. Masses
-    bonded to a wall get the number of the wall in `mass_of`.
+    Each block of bonded rigid bodies becomes a mass or, if it contains a wall, a
+    boundary; each rod becomes its segments. The links are, from left to right: the left
+    end, the contacts and the bonds between segments, and the right end. A side with a
+    wall has no link of an end. `mass_of` also numbers masses bonded to a wall, see
+    `number_bonded_masses`.
     """
     bodies = system.bodies
     nothing = ("none", 0.0)
@@ -48,9 +49,9 @@ def build_row(system: Any) -> Row:
     )
     blocks = rigid_blocks(system)
     for block in blocks:
-        i = block[0]  # its first body; a rod is the only one of its block
+        i = block[0]  # first body of the block; a rod is its only one
         body = bodies[i]
-        if i > 0:  # the contact between the block before and this one
+        if i > 0:  # the contact between the previous block and this one
             row.contact_link.append(len(row.links))
             link = link_of_contact(system.contacts[i - 1], system.gaps[i - 1])
             row.links.append(link)
@@ -62,7 +63,7 @@ def build_row(system: Any) -> Row:
             add_rigid(row, bodies, block)
     if bodies[-1].kind != "wall":
         add_end(row, 1, system.ends[1])
-    row.first_mass.append(len(row.masses))  # an entry behind the last node
+    row.first_mass.append(len(row.masses))  # entry after that of the last node
     number_bonded_masses(row, bodies, blocks[0])
     return row
 
@@ -73,22 +74,22 @@ copyreg.pickle(Row, lambda row: (build_row, (row.system,)))
 def rigid_blocks(system: Any) -> list[list[int]]:
     """Split the bodies into blocks from left to right: lists of their numbers.
 
-    Rigid bodies, masses and walls, that are bonded together are one block; each rod is
+    Rigid bodies (masses and walls) that are bonded together are one block. Each rod is
     a block of its own.
     """
     bodies = system.bodies
-    cuts = []
-    for k, law in enumerate(system.contacts):
+    cuts = []  # whether there is a cut at each contact
+    for k, contact in enumerate(system.contacts):
         has_rod = bodies[k].kind == "rod" or bodies[k + 1].kind == "rod"
-        cuts.append(law.law != "bonded" or has_rod)
+        cuts.append(contact.law != "bonded" or has_rod)
     return split_at(cuts)
 
 
 def split_at(cuts: list[bool]) -> list[list[int]]:
     """Split bodies into blocks from left to right: lists of their numbers, from 0.
 
-    `cuts[k]` says whether to cut between the bodies k and k + 1, so that there is one
-    body more than cuts.
+    `cuts[k]` says whether to cut between the bodies k and k + 1. So there is one body
+    more than entries; without entries the result is [[0]].
     """
     blocks = [[0]]
     for k, cut in enumerate(cuts):
@@ -101,11 +102,12 @@ def split_at(cuts: list[bool]) -> list[list[int]]:
 def add_rigid(row: Row, bodies: Any, block: list[int]) -> None:
     """Add a block of bonded rigid bodies to a row: as one mass, or as a boundary.
 
-    `bodies` are all of the system, `block` has the numbers of those in the block, from
-    left to right. Without a wall they are one mass; its velocity is momentum over mass.
-    A wall becomes the boundary on its side, and the masses bonded to it are no masses
-    of the row: here all bodies of the block get -1 in `mass_of`, until
-    `number_bonded_masses` sets that of the masses.
+    `bodies` are all bodies of the system; `block` has the numbers of the bodies in the
+    block, from left to right. A block without a wall becomes one mass, whose velocity
+    is momentum over mass. A wall becomes the boundary on its side, with its velocity;
+    masses bonded to it do not become masses of the row. In this case all bodies of the
+    block get -1 in `mass_of`, which `number_bonded_masses` changes later for the
+    masses.
     """
     # Contacts inside the block are no links, and its bodies have no segments.
     row.contact_link.extend([-1 for _ in block[1:]])
@@ -116,13 +118,13 @@ def add_rigid(row: Row, bodies: Any, block: list[int]) -> None:
     else:
         mass_index = len(row.masses)
     row.mass_of.extend([mass_index for _ in block])
-    for i in walls:  # the first or the last body of the system
+    for i in walls:  # a wall is the first or the last body of the system
         if i == 0:
             side = 0
         else:
             side = 1
         row.boundaries[side] = ("velocity", bodies[i].velocity)
-    if len(walls) > 0:  # the block is a boundary, and no mass
+    if len(walls) > 0:  # the block is not a mass
         return
     mass = bodies[block[0]].mass
     velocity = bodies[block[0]].velocity
@@ -137,9 +139,9 @@ def add_rigid(row: Row, bodies: Any, block: list[int]) -> None:
 def number_bonded_masses(row: Row, bodies: Any, first_block: list[int]) -> None:
     """Set `mass_of` of the masses bonded to a wall, once all masses are in the row.
 
-    It becomes len(row.masses) for those at the left wall, and one more for those at the
-    right one. Masses of the first block are at the left wall if there is one; `bodies`
-    are all of the system.
+    It becomes len(row.masses) for masses bonded to the left wall, and
+    len(row.masses) + 1 for masses bonded to the right wall. Masses in `first_block` are
+    bonded to the left wall, if there is one. `bodies` are all bodies of the system.
     """
     has_left_wall = bodies[0].kind == "wall"
     for i, body in enumerate(bodies):
@@ -153,11 +155,11 @@ def number_bonded_masses(row: Row, bodies: Any, first_block: list[int]) -> None:
 def add_rod(row: Row, path: str, rod: Any) -> None:
     """Add a rod, whose path is `path`, to a row: its segments, bonded to each other.
 
-    Lists of the row by segment, by body and by node grow, and bonds are appended to its
-    links. The path of a segment is that of the rod if it is the only one, else such as
-    ``"bodies.0.segments.1"``.
+    The lists of the row by segment, by body and by node grow, and a bond between each
+    pair of segments is appended to its links. The path of a single segment is that of
+    the rod; others have a path such as ``"bodies.0.segments.1"``.
     """
-    row.mass_of.append(-1)  # it is no rigid mass
+    row.mass_of.append(-1)  # a rod is no rigid mass
     count = len(rod.segments)
     # Segments are counted from 1.
     row.spans.append((len(row.segments) + 1, len(row.segments) + count))
@@ -170,15 +172,17 @@ def add_rod(row: Row, path: str, rod: Any) -> None:
         else:
             segment_path = path
         row.paths.append(segment_path)
-        # Masses on the left of the segment are all before the node at its right end.
+        # `first_mass` of the node at the right end of the segment: the number of masses
+        # so far
         row.first_mass.append(len(row.masses))
 
 
 def add_end(row: Row, side: int, end: Any) -> None:
-    """Add the link at the left (side 0) or right (1) end of a row, and what acts there.
+    """Add the link at the left (side 0) or right (1) end of a row, and its boundary.
 
-    The link of a free or pushed end is a push, that of another end a bond. What acts is
-    set in `boundaries`: its name and the value of the end, 0 for ends without a value.
+    The link of a free or pushed end is a push, the link of any other end a bond. The
+    boundary gets the kind, see `BOUNDARIES`, and the value of the end, which is 0 for a
+    free, fixed or absorbing end.
     """
     kind = BOUNDARIES[end.kind]
     if end.kind in DRIVEN:
@@ -186,7 +190,7 @@ def add_end(row: Row, side: int, end: Any) -> None:
     else:
         value = 0.0
     row.boundaries[side] = (kind, value)
-    is_push = kind in ("none", "force")  # a given force, which is 0 at a free end
+    is_push = kind in ("none", "force")  # a free end has the given force 0
     if not is_push:
         law = Law.BOND
     elif side == 0:

@@ -1,7 +1,7 @@
-"""What every method hands back of a collision: a `Run`, in plain numbers and arrays.
+"""The result of every method for a collision: a `Run`, in plain numbers and arrays.
 
-Totals are known when the run ends; signals are made when they are asked for, so that
-who wants the outcome alone does not wait for them.
+Totals are known when the run ends. Signals are made on request, so that a user who
+wants only the outcome does not wait for them.
 """
 
 from __future__ import annotations
@@ -20,35 +20,35 @@ from .signals import Ints, Pieces
 from .states import Status
 
 MAX_EVENTS = 5_000_000
-"""Arrivals at ends after which a run gives up where nothing else is asked for."""
+"""Default cap on the events of a run: arrivals at ends."""
 MEASURES = ("velocity", "impulse", "peak force", "duration", "time")
 VELOCITY, IMPULSE, PEAK_FORCE, DURATION, TIME = MEASURES
-"""What can have a stated error.
+"""Measures that can have a stated error.
 
-Times are those at which forces begin and end, and gaps open.
+The times are those at which forces begin and end, and at which gaps open.
 """
 STOPPED_BY = ("final", "max_events", "clock", "refused", "until")
-"""Why a member stopped; where it cannot be solved it is refused."""
+"""Reasons why a member stopped; a member that cannot be solved is refused."""
 
 READ = ("dissipated", "set", "largest_stress", "displacement")
 ALSO = (*READ, "accuracy")
-"""What is found of a member only if it is asked for, as that takes longer.
+"""Results of a member that are found only on request, as they take longer.
 
-It is the energy lost in contacts, J; how far each yielding contact has yielded for
-good, m; the largest absolute stress in each rod, Pa; how far the centre of mass of each
-body has moved at the end of the run, m; and the largest stated relative error of
-velocities, impulses and peak forces.
+They are, in this order: the energy lost in contacts, J; the permanent set of each
+yielding contact, m; the largest absolute stress in each rod, Pa; the displacement of
+the centre of mass of each body at the end of the run, m; and the largest stated
+relative error of velocities, impulses and peak forces.
 """
 
 
 def largest_error(accuracy: Mapping[str, float]) -> float:
-    """Largest stated error of velocities, impulses and peak forces.
+    """Largest stated relative error of velocities, impulses and peak forces.
 
-    It is 0 if none is stated.
-
-    Those of durations and times do not count, as they may hang on faint forces.
+    `accuracy` has the errors by measure; a measure that it lacks counts as 0. Errors of
+    durations and times do not count, as they may depend on faint forces.
     """
-    return max((accuracy.get(name, 0.0) for name in MEASURES[:3]), default=0.0)
+    stated = [accuracy.get(name, 0.0) for name in (VELOCITY, IMPULSE, PEAK_FORCE)]
+    return max(stated)
 
 
 @explain_missing()
@@ -58,11 +58,11 @@ class Episode(NamedTuple):
     Attributes
     ----------
     start : float
-        When the force begins, s.
+        Time at which the force begins, s.
     force_end : float
-        When the last force ends, s; nan if it lasts to the end of the run.
+        Time at which the last force ends, s; nan if it lasts to the end of the run.
     opening : float
-        When the gap opens, s; nan if it has not.
+        Time at which the gap opens, s; nan if it has not opened.
 
     Examples
     --------
@@ -86,10 +86,11 @@ class Episode(NamedTuple):
 def episodes_of(ticks: Any, statuses: Any, tick: float) -> tuple[Episode, ...]:
     """Episodes with force, from the changes of a contact in order of time.
 
-    At each of the `ticks` the contact takes on the `Status` of the same place: PRESS,
-    GRAZE or OPEN. An episode lasts from PRESS to OPEN; GRAZE only ends its force, and
-    PRESS goes on with it. The last episode may be under way: then its opening is nan,
-    and its `force_end` too if it presses. `tick` is the duration of a tick, s.
+    At each of `ticks` the contact takes on the `Status` with the same index in
+    `statuses`: PRESS, GRAZE or OPEN. An episode lasts from PRESS to OPEN; GRAZE ends
+    only its force, and a further PRESS continues the episode. If the last episode has
+    not ended, its opening is nan, and so is its `force_end` if it still presses. `tick`
+    is the duration of a tick, s.
     """
     episodes: list[Episode] = []
     start = math.nan  # nan while no episode is under way
@@ -98,10 +99,10 @@ def episodes_of(ticks: Any, statuses: Any, tick: float) -> tuple[Episode, ...]:
         t = float(when) * tick
         if status == Status.PRESS:
             force_end = math.nan
-            if math.isnan(start):  # it begins
+            if math.isnan(start):  # an episode begins
                 start = t
         elif not math.isnan(start):
-            if math.isnan(force_end):  # its force has just ended
+            if math.isnan(force_end):  # the force ends now
                 force_end = t
             if status == Status.OPEN:
                 episodes.append(Episode(start, force_end, t))
@@ -130,9 +131,10 @@ class ContactTally(NamedTuple):
         ever ends there, and `Solution.accuracy` states the error of durations and
         times.
     first, last : float
-        When the force first begins and last ends, s; nan if there was none.
+        Times at which the force first begins and last ends, s; nan if there was no
+        force.
     episodes : int
-        How often the contact pressed.
+        Number of times that the contact closed and pressed.
 
     Examples
     --------
@@ -155,17 +157,17 @@ class ContactTally(NamedTuple):
 
 
 class ContactSignal(NamedTuple):
-    """What passed at one contact, from t = 0 on.
+    """Signals and episodes of one contact, from t = 0 on.
 
     Attributes
     ----------
     force : Pieces
-        N; a push of the two bodies apart is positive.
+        Contact force, N; positive if it presses the two bodies apart.
     gap : Pieces
-        m; minus the overlap.
+        m; if there is an overlap, minus the overlap.
     closing : Pieces
-        Velocity of the left body's face minus that of the right one, m/s: the power of
-        the force.
+        Velocity of the left body's face minus that of the right body's face, m/s.
+        Force times this velocity is the power that the contact takes up.
     episodes : tuple of Episode
     """
 
@@ -176,17 +178,18 @@ class ContactSignal(NamedTuple):
 
 
 class BoundaryAction(NamedTuple):
-    """What acts on one end of the row.
+    """The action from outside on one end of the row.
 
     Attributes
     ----------
     kind : str
         ``"wall"``, ``"drive"`` or ``"absorbing"``.
     push : Pieces
-        Force on the row, N: to the right at the left end, to the left at the right end.
+        Force on the row, N, positive inward: to the right at the left end, to the left
+        at the right end.
     speed : Pieces
-        Velocity of the point on which it acts, m/s, to the right. The power is push
-        times speed, with the sign of `INWARD`.
+        Velocity of the point on which the push acts, m/s, positive to the right. The
+        power is push times speed, with the sign of `INWARD`.
     """
 
     kind: str
@@ -199,14 +202,14 @@ INWARD = (1, -1)
 
 
 class ShaftAction(NamedTuple):
-    """What soil or drag does to a rod along its shaft.
+    """The action of soil or drag on a rod along its shaft.
 
     Attributes
     ----------
     push : Pieces
-        Force on the rod, N, to the right.
+        Force on the rod, N, positive to the right.
     power : Pieces
-        W; negative where energy is taken from the rod.
+        Power into the rod, W; negative where energy is taken from the rod.
     """
 
     push: Pieces
@@ -216,28 +219,29 @@ class ShaftAction(NamedTuple):
 class Waves(NamedTuple):
     """End signals by line, m/s.
 
-    They are what left the left (2s) and the right end (2s + 1) of segment s, in the
-    frame of the clock; None where there is none.
+    Line 2 s is the wave that leaves the left end of segment s, line 2 s + 1 the wave
+    that leaves its right end, in the frame of the clock. A line without waves is None.
     """
 
     lines: Sequence[Pieces | None]
 
 
 class Signals(NamedTuple):
-    """All that a run knows of the motion.
+    """The motion in a run, as signals.
 
     Attributes
     ----------
     motion : Waves or GridMotion
     contacts : tuple of ContactSignal
     boundary_actions : (BoundaryAction or None, BoundaryAction or None)
-        Left and right.
+        At the left and the right end; None at a free or fixed end.
     edges : [n] array of int or None
-        Ticks from 0 on between which the signals of a grid are means.
+        Ends of the time steps of a grid, ticks, from 0 on: its signals are means
+        between them. None for other methods.
     masses : dict of int to Pieces
         Velocities of rigid masses, by body, m/s, in the frame of the clock.
     shafts : dict of int to ShaftAction
-        By rod on which soil or drag acts.
+        By the number of the rod, for rods on which soil or drag acts.
     """
 
     motion: Any
@@ -258,13 +262,13 @@ class Coarser(NamedTuple):
     Attributes
     ----------
     share : float
-        Error of a field on the finer mesh over its difference from that on this one, at
-        most.
+        Bound of the error of a field on the finer mesh, divided by the difference of
+        the fields on both meshes.
     steep : bool
-        Whether waves jump and stay steep, so that no mesh has the velocity and the
-        stress there.
+        Whether waves jump and stay steep: then velocity and stress at a jump converge
+        on no mesh.
     make_run : function
-        Makes the `Run`.
+        Makes the `Run` on the coarser mesh.
     """
 
     share: float
@@ -280,31 +284,35 @@ class Run:
     ----------
     method : str
     until : float or None
-        The end that was asked for, s.
+        The given end, s.
     clock : Clock
     end : int
         Last tick.
     t_end, t_final, t_proved : float
-        s; until when it ran; when the last contact ended, see `status.last_contact`;
-        and when the run proved that no contact can happen again, nan without proof.
+        Times, s: the end of the run; the end of the last contact, see
+        `status.last_contact`; and the proof that no contact can happen again, nan
+        without a proof.
     stopped_by : str
         ``"final"``, ``"until"``, ``"max_events"`` or ``"clock"``.
     status : str
-        The same in a sentence, with the remedy.
+        The reason why the run stopped in a sentence, with the remedy.
     events : int
         Arrivals at ends, steps of nodes, or time steps times ends.
     contacts : tuple of ContactTally
     totals : Totals or None
-        None where they are to be read off the fields.
+        None if they are to be computed from the fields.
     motion : (Motion, Motion) or None
-        Motion before and after, where the kernel adds it up; of that before only
+        Motion before and after, if the kernel computes it; the motion before has only
         velocities.
     accuracy : dict of str to float
-        Stated error of those of `MEASURES` that the method knows, relative to the
-        largest value of each, where the method is not exact.
+        Stated relative errors by measure, one of `MEASURES`; velocities are relative to
+        the velocity scale, others to the largest value. A measure without a stated
+        error is missing.
     coarser : tuple of Coarser
-        None where a single mesh was asked for, in a file, or where the method has none.
+        Empty if a single mesh was requested, for a run from a file, or if the method
+        has no mesh.
     make_signals : function
+        Called without arguments, makes the `Signals`.
     """
 
     method: str
@@ -338,11 +346,11 @@ class Run:
     def signals(self) -> Signals:
         """All signals of the run, made when they are first asked for."""
         signals = self.make_signals()
-        # From now on the same signals are handed out, as `_replace` without arguments
-        # does, so that the records behind `make_signals` may go.
+        # The old function holds the records of the run, which are no longer needed.
+        # `_replace` without arguments returns the same signals. The class is frozen.
         object.__setattr__(self, "make_signals", signals._replace)
         return signals
 
     def __getstate__(self) -> dict[str, Any]:
-        """What is pickled: all with the signals, but without coarser runs."""
+        """The pickled attributes: all of them and the signals, but no coarser runs."""
         return {"signals": self.signals, **vars(self), "coarser": ()}

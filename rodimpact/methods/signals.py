@@ -1,9 +1,9 @@
-"""A signal made of pieces that are polynomials of time, with everything in closed form.
+"""Signals: piecewise polynomial functions of time, evaluated in closed form.
 
-Waves that leave an end, forces, gaps and velocities of masses are such signals: value,
-one-sided limits, integral, and the integral of a product of two need no time step.
-Pieces of degree 0 make what jumps at fronts. Times here are ticks; whoever holds the
-signal knows how long a tick is.
+Waves that leave an end, forces, gaps and velocities of masses are such signals. Their
+values, one-sided limits, integrals, and integrals of products need no time step. A
+signal that jumps at fronts has pieces of degree 0. Times are in ticks; the owner of a
+signal knows the duration of a tick.
 """
 
 from __future__ import annotations
@@ -18,8 +18,8 @@ Floats: TypeAlias = NDArray[np.floating[Any]]
 Ints: TypeAlias = NDArray[np.int64]
 Side: TypeAlias = Literal["right", "left"]
 
-LINE_RTOL = 5e-5  # error of straight lines that stand for a signal, over its range
-ROUND_OFF = 1e-12  # error of values over the largest one, where a signal hardly varies
+LINE_RTOL = 5e-5  # error of straight lines that replace a signal, over its range
+ROUND_OFF = 1e-12  # the same over the largest value, for a signal that hardly varies
 
 
 class Pieces:
@@ -27,15 +27,16 @@ class Pieces:
 
     Piece i lasts from ticks[i] to ticks[i + 1], the last one to `end`. It is a sum of
     Chebyshev polynomials of the piece's own variable y, which runs from -1 at its start
-    to 1 at its stop. Before the first piece its start value holds, after the last piece
-    its end value.
+    to 1 at its stop. Before the first piece the signal has its first value, after the
+    last piece its end value.
 
     Parameters
     ----------
     ticks : [n] int
         Starts of the pieces, increasing.
     coefficients : [n] or [n, m] float
-        Of the Chebyshev polynomials of degree 0 to m - 1; [n] for constant pieces.
+        Coefficients of the Chebyshev polynomials of degree 0 to m - 1; [n] for constant
+        pieces.
     end : int, optional
         Stop of the last piece; by default its start. Constant pieces do not need it.
 
@@ -65,16 +66,18 @@ class Pieces:
             columns = columns[:, None]
         self.coefficients = columns
         self.coefficient_count: int = columns.shape[1]  # of each piece
-        if end is None:  # constants need none: the last one goes on for ever
+        if end is None:  # the last constant goes on for ever
             end = self.ticks[-1]
         self.end = int(end)
 
     @classmethod
     def lines(cls, ticks: ArrayLike, starts: Floats, stops: Floats, end: int) -> Pieces:
-        """Straight lines from `starts` to `stops`, both [n].
+        """The signal of n straight lines.
 
-        Other arguments are as above.
+        Line i begins at ticks[i] with the value starts[i], and ends at ticks[i + 1], or
+        at `end` for the last line, with the value stops[i].
         """
+        # The line is mean + half_rise y, with y from -1 to 1.
         means = (starts + stops) / 2
         half_rises = (stops - starts) / 2
         return cls(ticks, np.stack((means, half_rises), axis=1), end)
@@ -83,7 +86,7 @@ class Pieces:
     def through(cls, ticks: ArrayLike, values: Floats) -> Pieces:
         """The signal of n straight lines through n + 1 values at n + 1 ticks.
 
-        It ends at the last tick. Through one value it is a constant.
+        It ends at the last tick. With a single value it is a constant.
         """
         ticks = np.asarray(ticks)
         if len(values) == 1:
@@ -93,27 +96,24 @@ class Pieces:
     @cached_property
     def values(self) -> Floats:
         """Value at the start of each piece, [n]."""
-        signs = (-1.0) ** np.arange(self.coefficient_count)  # of T_k at y = -1
+        signs = (-1.0) ** np.arange(self.coefficient_count)  # T_k(-1) = (-1)^k
         return np.asarray(self.coefficients @ signs)
 
     @cached_property
     def breaks(self) -> Ints:
-        """Ticks at which the polynomial changes.
-
-        The end is included; constants have no end.
-        """
+        """Starts of the pieces and the end, ticks; constant pieces have no end."""
         if self.coefficient_count == 1:  # pieces are constant
             return self.ticks
         return each_once(self.ticks, [self.end])
 
     @cached_property
     def widths(self) -> Ints:
-        """Ticks that each piece lasts, 1 at least, [n]."""
+        """Duration of each piece, ticks, at least 1, [n]."""
         return np.maximum(np.diff(self.ticks, append=self.end), 1)
 
     @cached_property
     def _primitive(self) -> tuple[Floats, Floats]:
-        """Integrals of all pieces, value times ticks, from which `integral` follows.
+        """Integrals of all pieces, value times ticks, as `integral` needs them.
 
         Returns
         -------
@@ -125,77 +125,81 @@ class Pieces:
         """
         from numpy.polynomial.chebyshev import chebint
 
-        # The integral over y times half of the width is that over ticks.
+        # dt = (width/2) dy. `widths` is not used here, as it is at least 1.
         half_widths = np.diff(self.ticks, append=self.end)[:, None] / 2
         integral = chebint(self.coefficients, lbnd=-1, axis=1)
         of_pieces = np.asarray(integral * half_widths)
-        whole_pieces = of_pieces[:-1].sum(axis=1)  # all polynomials are 1 at y = 1
+        whole_pieces = of_pieces[:-1].sum(axis=1)  # values at the stop, as T_k(1) = 1
         return of_pieces, np.concatenate(([0.0], np.cumsum(whole_pieces)))
 
     @cached_property
     def bends(self) -> Floats:
-        """Bound of the second derivative of each piece by its own variable, [n].
+        """Bound of the second derivative of each piece with respect to y, [n].
 
-        That of the Chebyshev polynomial T_k is k^2 (k^2 - 1)/3 at most.
+        For the Chebyshev polynomial T_k it is k^2 (k^2 - 1)/3.
         """
         k = np.arange(self.coefficient_count)
         return np.asarray(np.abs(self.coefficients) @ (k**2 * (k**2 - 1) / 3))
 
     @cached_property
     def marks(self) -> Ints:
-        """Ticks, increasing, between which straight lines follow the signal.
+        """Ticks, increasing, at which straight lines that approximate the signal meet.
 
-        They do so to `LINE_RTOL` of its range. They are the starts of the pieces, ticks
-        inside of pieces that bend, the end, and a tick just before each jump. A signal
-        of constant pieces has their starts alone.
+        The error of the lines is about `LINE_RTOL` of the range of the signal. The
+        ticks are the starts of the pieces, ticks inside curved pieces, the end, and a
+        tick just before each jump. For constant pieces they are the starts only.
         """
         if self.coefficient_count == 1:  # pieces are constant
             return self.ticks
         middle = self.coefficients[:, 0]
-        swing = np.abs(self.coefficients[:, 1:]).sum(axis=1)  # bound of value - middle
+        # Bound of abs(value - middle) in each piece, as abs(T_k) <= 1
+        swing = np.abs(self.coefficients[:, 1:]).sum(axis=1)
         low = float((middle - swing).min())
         high = float((middle + swing).max())
-        # Error that the lines may have
+        # Allowed error of the lines
         tolerance = max(LINE_RTOL * (high - low), ROUND_OFF * max(high, -low))
         parts_needed = np.ones(len(middle))  # parts of each piece, [n]
         if tolerance > 0:
-            # A line over the n-th part of a piece is
-            # off by less than (2/n)^2/8 of its bend.
+            # y has the range 2, so that a part of n has the width 2/n, and a line over
+            # it an error of at most (2/n)^2/8 bends = bends/(2 n^2).
             parts_needed = np.ceil(np.sqrt(self.bends / (2 * tolerance)))
-        # Each part begins with a mark, and has a tick at least.
+        # Each part begins with a mark, and lasts at least a tick.
         parts = np.clip(parts_needed, 1, self.widths).astype(np.int64)
-        # How many marks the pieces before have, [n]
+        # Number of marks in all earlier pieces, [n]
         marks_before = np.cumsum(parts) - parts
-        # Number of each mark in its piece, counted from 0, [mark]
+        # Index of each mark in its piece, from 0 on, [mark]
         index_in_piece = np.arange(parts.sum()) - np.repeat(marks_before, parts)
-        # Ticks of the part behind each mark, [mark]. They are rounded down: the last
-        # part of a piece is longer.
+        # Ticks of the part after each mark, [mark], rounded down: the last part of a
+        # piece takes the rest.
         part_widths = np.repeat(self.widths // parts, parts)
         inside = np.repeat(self.ticks, parts) + part_widths * index_in_piece
         later_starts = self.ticks[1:]
-        rises = self.values[1:] - self.at(later_starts, "left")
+        rises = self.values[1:] - self.at(later_starts, side="left")
         jumps = later_starts[np.abs(rises) > tolerance]
-        # A tick earlier, and more beyond 2^51, where floats do not tell ticks apart
+        # One tick earlier; more beyond 2^51, where floats cannot resolve a tick
         before_jumps = jumps - 1 - (jumps >> 51)
         return each_once(inside, before_jumps, [self.end])
 
     def piece(self, ticks: ArrayLike, side: Side = "right") -> Ints:
-        """Index of the piece in which each of these ticks lies.
+        """Index of the piece in which each of `ticks` lies, an array of their shape.
 
-        It is 0 before the first piece. A tick between two pieces lies in the later one
-        ("right") or in the earlier one ("left").
+        It is 0 before the first piece, and that of the last piece after all pieces. At
+        the start of a piece it is that of this piece ("right") or of the earlier one
+        ("left").
         """
         return np.maximum(self.ticks.searchsorted(ticks, side) - 1, 0)
 
     def _own_time(self, i: Ints, ticks: Ints) -> Floats:
         """Variable y of pieces i at these ticks; -1 before a piece, 1 after it."""
+        # From 0 to the width of the piece, scaled to -1 to 1
         return np.clip((ticks - self.ticks[i]) / self.widths[i] * 2 - 1, -1.0, 1.0)
 
     def at(self, ticks: ArrayLike, side: Side = "right") -> Floats:
         """Value at `ticks`, an array of their shape.
 
-        It is the limit from the right (after a jump) or from the left (before). Before
-        the first piece its start value holds, after the last one its end value.
+        At a jump it is the value after it, the limit from the right, or with the side
+        "left" the value before it. Before the first piece it is the first value, after
+        the last piece the end value.
         """
         ticks = np.asarray(ticks)
         i = self.piece(ticks, side)
@@ -204,21 +208,22 @@ class Pieces:
         return _polynomials(self.coefficients, i, self._own_time(i, ticks))
 
     def at_own_time(self, pieces: Ints, y: Floats) -> Floats:
-        """Values of the pieces of these indices at their own variable y.
+        """Values of the pieces with the indices `pieces` at their own variable y.
 
-        Both broadcast.
+        Both arguments broadcast to the shape of the result.
         """
         return _polynomials(self.coefficients, pieces, y)
 
     def inside(self, starts: ArrayLike, stops: ArrayLike, shares: Floats) -> Floats:
-        """Values in intervals of time, at these shares of the width of each.
+        """Values inside intervals of time, at the given shares of each interval.
 
         Parameters
         ----------
         starts, stops : [n] int
-            Ticks at which intervals begin and end; each is inside of one piece.
+            Ticks at which the intervals begin and end. Each interval must lie in one
+            piece, or before or after all pieces.
         shares : [share] float
-            From 0, the start of an interval, to 1, its stop.
+            Positions in an interval, from 0, its start, to 1, its stop.
 
         Returns
         -------
@@ -227,75 +232,80 @@ class Pieces:
         """
         starts = np.asarray(starts)
         lengths = np.asarray(stops) - starts
-        i = self.piece(starts + lengths // 2)  # the piece in which the middle lies
-        if self.coefficient_count == 1:
+        i = self.piece(starts + lengths // 2)  # index of the piece around the middle
+        if self.coefficient_count == 1:  # pieces are constant
             return self.coefficients[i]
-        # Ticks from the start of the piece to each share, [interval, share]
+        # Ticks from the start of the piece to each position, [interval, share]
         since_start = (starts - self.ticks[i])[:, None] + lengths[:, None] * shares
         y = np.clip(since_start / self.widths[i][:, None] * 2 - 1, -1.0, 1.0)
         return _polynomials(self.coefficients, i[:, None], y)
 
     def means(self, starts: ArrayLike, stops: ArrayLike) -> Floats:
-        """Means over intervals from `starts` to `stops`, [n] each.
+        """Means over intervals from `starts` to `stops`, ticks, all arrays [n].
 
-        Each lies in one piece.
+        Each interval must lie in one piece.
         """
+        # Exact: degree coefficient_count - 1 <= 2 points - 1
         shares, weights = quadrature((self.coefficient_count + 1) // 2)
         return np.asarray(self.inside(starts, stops, shares) @ weights)
 
     def integral(self, start: ArrayLike, stop: ArrayLike) -> Floats:
-        """Integral from `start` to `stop`, value times ticks; arguments broadcast."""
+        """Integral from `start` to `stop`, ticks, in value times ticks.
+
+        The arguments broadcast. With `stop` before `start`, the sign is reversed.
+        """
         return self._from_first(stop) - self._from_first(start)
 
     def _from_first(self, ticks: ArrayLike) -> Floats:
-        """Integral from the start of the first piece to these ticks, value times ticks.
+        """Integral from the start of the first piece to `ticks`, value times ticks.
 
         It is an array of the shape of `ticks`. Before the first piece and after the
-        last one the signal is constant; before the first one the integral of a positive
-        signal is negative.
+        last piece the signal is constant. For ticks before the first piece the
+        integral has the sign opposite to the signal.
         """
         ticks = np.asarray(ticks)
         i = self.piece(ticks)
         coefficients, up_to_piece = self._primitive
         if self.coefficient_count == 1:  # pieces are constant
             return up_to_piece[i] + self.values[i] * (ticks - self.ticks[i])
-        # `_own_time` stops at both ends of a piece: this ends where the pieces do.
+        # `_own_time` is limited to the piece, so that this is the part in the pieces.
         in_piece = _polynomials(coefficients, i, self._own_time(i, ticks))
-        # Ticks after the end, or before the start (below 0), where it stays constant
+        # Ticks after the end (> 0) or before the start (< 0), where it is constant
         outside = ticks - np.clip(ticks, self.ticks[0], self.end)
         if np.any(outside):
             in_piece = in_piece + outside * self.at(ticks)
         return up_to_piece[i] + in_piece
 
     def integrated_twice(self, stop: Any) -> Floats:
-        """Integral of the integral of the signal f from 0 on, at `stop`.
+        """Twofold integral of the signal f from 0 to `stop`, value times ticks squared.
 
-        It is that of (stop - t) f(t) over t from 0 to `stop`, value times ticks
-        squared; `stop`, ticks, is a number or an array, whose shape the result has.
+        It is integral((stop - t) f(t) dt) from 0 to `stop`. `stop`, ticks, is a number
+        or an array; the result has its shape.
         """
-        # stop integral(f) - integral(t f)
+        # integral((stop - t) f) = stop integral(f) - integral(t f)
         last = np.max(stop)
         time = Pieces.through([0, last], np.array([0.0, last]))  # the signal t
         twice: Floats = stop * self.integral(0, stop) - (self * time).integral(0, stop)
         return twice
 
     def breaks_in(self, start: int, stop: int) -> Ints:
-        """Those of `breaks` that are after `start` and before `stop`."""
+        """The entries of `breaks` that are after `start` and before `stop`."""
         first = self.breaks.searchsorted(start, "right")
         after_last = self.breaks.searchsorted(stop, "left")
         return self.breaks[first:after_last]
 
     def within(self, start: int, stop: int) -> Pieces:
-        """The signal of those pieces that hold somewhere from `start` to `stop`, ticks.
+        """The signal with only the pieces that overlap the time from `start` to `stop`.
 
-        They are uncut: it may begin before `start` and end after `stop`, and is
-        constant outside. One piece is left at least.
+        These pieces are not cut: the new signal may begin before `start` and end after
+        `stop`. Outside of its pieces it is constant. At least one piece is kept. The
+        arguments are ticks.
         """
         first = int(self.piece(start))
         after_last = int(self.ticks.searchsorted(stop, "right"))
-        after_last = max(after_last, first + 1)  # where `stop` is before all pieces
+        after_last = max(after_last, first + 1)  # if `stop` is before all pieces
         end = self.end
-        if after_last < len(self.ticks):  # it ends with the last piece that is kept
+        if after_last < len(self.ticks):  # pieces at the end are dropped
             end = int(self.ticks[after_last])
         ticks = self.ticks[first:after_last]
         return Pieces(ticks, self.coefficients[first:after_last], end)
@@ -303,7 +313,7 @@ class Pieces:
     def plus(self, constant: float) -> Pieces:
         """The signal plus a constant."""
         coefficients = self.coefficients.copy()
-        coefficients[:, 0] += constant
+        coefficients[:, 0] += constant  # T_0 = 1
         return Pieces(self.ticks, coefficients, self.end)
 
     def __add__(self, other: Pieces) -> Pieces:
@@ -317,6 +327,7 @@ class Pieces:
         )
 
     def __mul__(self, other: Pieces) -> Pieces:
+        # The degrees add up; the number of coefficients is the degree plus 1.
         return self._combined(
             other, np.multiply, self.coefficient_count + other.coefficient_count - 1
         )
@@ -324,14 +335,15 @@ class Pieces:
     def _combined(self, other: Pieces, operation: Any, size: int) -> Pieces:
         """The signal operation(self, other), whose pieces have `size` coefficients.
 
-        It is computed at `size` points of each interval between breaks of either
-        signal, exactly if its degree is below `size`. The last interval has no length,
-        and holds the constant value after both signals. `operation` takes two arrays.
+        `operation` takes two arrays of values. It is applied at `size` points of each
+        interval between the breaks of both signals. The result is exact if its degree
+        is below `size`. The last interval has length 0, and holds the constant value
+        after both signals.
         """
         starts = each_once(self.breaks, other.breaks)
         stops = np.append(starts[1:], starts[-1])  # the last interval is empty
         shares, to_coefficients = _interpolation(size)
-        # Values of both, [interval, point]
+        # Values of both signals, [interval, point]
         left = self.inside(starts, stops, shares)
         right = other.inside(starts, stops, shares)
         return Pieces(starts, operation(left, right) @ to_coefficients)
@@ -341,14 +353,15 @@ class Pieces:
         return Pieces(self.ticks, self.coefficients * factor, self.end)
 
     def later(self, ticks: int) -> Pieces:
-        """The signal delayed by so many ticks."""
+        """The signal delayed by this number of ticks."""
         return Pieces(self.ticks + ticks, self.coefficients, self.end + ticks)
 
     def time_reversed(self, about: int) -> Pieces:
-        """The signal backwards.
+        """The signal reversed in time.
 
-        Its value at tick t is that of this one at `about` - t.
+        Its value at tick t is the value of this signal at `about` - t.
         """
+        # A piece starts where it stopped, at ticks + widths; the order is reversed.
         starts = (about - self.ticks - self.widths)[::-1]
         # T_m(-y) = (-1)^m T_m(y)
         mirrored = self.coefficients * (-1.0) ** np.arange(self.coefficient_count)
@@ -357,12 +370,13 @@ class Pieces:
     def cut(self, ticks: Ints, end: int) -> Pieces:
         """The same signal from ticks[0] to `end`, in pieces that begin at `ticks`.
 
-        Before and behind it is constant.
+        Before ticks[0] and after `end` the new signal is constant.
 
         Parameters
         ----------
         ticks : [n] int
-            All breaks of the signal from ticks[0] to `end` must be among them.
+            Starts of the new pieces, increasing. All breaks of the signal between
+            ticks[0] and `end` must be among them.
         end : int
             Tick at which the last piece stops.
         """
@@ -375,34 +389,36 @@ class Pieces:
 def _polynomials(coefficients: Floats, i: Ints, y: Floats) -> Floats:
     """Values at y of the Chebyshev series in the rows i of `coefficients`.
 
-    i and y broadcast, and the values have their common shape. By Clenshaw's recurrence
-    b_k = c_k + 2 y b_(k+1) - b_(k+2) the values are c_0 + y b_1 - b_2.
+    i and y broadcast, and the values have their common shape. Clenshaw's recurrence is
+    b_k = c_k + 2 y b_(k+1) - b_(k+2), and the values are c_0 + y b_1 - b_2.
     """
-    before = np.zeros(())  # b_(k + 2)
-    last = np.zeros(())  # b_(k + 1)
-    for column in coefficients.T[:0:-1]:  # c_k of all rows, from the last k to 1
-        following = column[i] + 2 * y * last - before
-        before = last
-        last = following
-    value: Floats = coefficients[i, 0] + y * last - before
+    b2 = np.zeros(())  # b_(k+2)
+    b1 = np.zeros(())  # b_(k+1)
+    for column in coefficients.T[:0:-1]:  # c_k of all rows, from the last k down to 1
+        b0 = column[i] + 2 * y * b1 - b2  # b_k
+        b2 = b1
+        b1 = b0
+    value: Floats = coefficients[i, 0] + y * b1 - b2
     return value
 
 
 @cache
 def _interpolation(size: int) -> tuple[Floats, Floats]:
-    """Points from which a series of `size` coefficients follows, and how.
+    """Interpolation points and matrix of a Chebyshev series with `size` coefficients.
 
-    They are Chebyshev points, at which rounding errors of values are not enlarged.
+    The points are Chebyshev points, at which interpolation does not amplify rounding
+    errors of the values.
 
     Returns
     -------
     [size] array
-        Points, as shares of the width of a piece, from 0 to 1.
+        Points, as shares of the width of a piece, increasing from 0 to 1.
     [size, size] array
-        M, with coefficients = values @ M.
+        M, with coefficients = values @ M for the values at these points.
     """
-    # Point j is y = cos(angle j), where T_k is
-    # cos(k angle): a discrete cosine transform.
+    # The points are y = cos(angle), where T_k(y) = cos(k angle), so that M is a
+    # discrete cosine transform: c_k = (2/size) sum(value cos(k angle)), half of it for
+    # k = 0. Decreasing angles make y increase.
     angles = np.pi * (np.arange(size)[::-1] + 0.5) / size
     to_coefficients = np.cos(angles[:, None] * np.arange(size)) * (2 / size)
     to_coefficients[:, 0] /= 2
@@ -410,10 +426,10 @@ def _interpolation(size: int) -> tuple[Floats, Floats]:
 
 
 def each_once(*ticks: ArrayLike) -> Ints:
-    """All ticks of these arrays, one array or more, in order, each once.
+    """All ticks of these arrays, at least one array, in increasing order, each once.
 
-    `np.unique` hashes whole numbers, and takes 50 times as long. Sorting merges what is
-    in order already.
+    `np.unique` hashes whole numbers, and takes 50 times as long. A stable sort is fast
+    here, as it merges arrays that are sorted already.
     """
     merged: Ints = np.sort(np.concatenate(ticks), kind="stable")
     is_first = np.ones(len(merged), dtype=bool)  # whether no equal tick is before it
@@ -425,9 +441,10 @@ def each_once(*ticks: ArrayLike) -> Ints:
 def quadrature(points: int) -> tuple[Floats, Floats]:
     """Gauss-Legendre quadrature: points from 0 to 1, and weights of a mean.
 
-    It is exact up to degree 2 `points` - 1.
+    Both are [points] arrays; the weights add up to 1. The mean of a polynomial is exact
+    up to degree 2 `points` - 1.
     """
     from numpy.polynomial.legendre import leggauss
 
-    places, weights = leggauss(points)
-    return (1 + places) / 2, weights / 2
+    abscissae, weights = leggauss(points)  # from -1 to 1, weights that add up to 2
+    return (1 + abscissae) / 2, weights / 2

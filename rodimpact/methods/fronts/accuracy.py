@@ -1,8 +1,9 @@
 """Errors of an outcome by fronts: rounded transit times, and forces that are too faint.
 
-Waves are exact to round-off. Two approximations are larger, and each states its error.
-The clock rounds transit times that have no common measure. And a force that decays for
-ever counts as zero from some time on, which shortens durations and moves times.
+Waves are exact to round-off. Two approximations are coarser, and the error of each is
+stated. The clock rounds transit times that have no common measure. And a force that
+decays without end counts as zero from some time on, which shortens durations and moves
+times.
 """
 
 import math
@@ -18,22 +19,22 @@ from .batch import RunRequest
 from .run import FrontRun
 from .totals import tally_of, totals_of
 
-RERUN_EVENT_FACTOR = 4  # cap on events of a run with perturbed transit times
+RERUN_EVENT_FACTOR = 4  # cap on events of the second run, over those of the first
 NO_ERRORS: Mapping[str, float] = {}
 
 
 def effect_of_rounding(finished: FrontRun) -> Mapping[str, float]:
-    """Relative error of each of `runs.MEASURES`, by name, that rounded transits make.
+    """Relative error of each of `runs.MEASURES`, by name, from rounded transit times.
 
     The exact transit time lies between the rounded one and the next tick on its other
     side. A second run uses that tick. The difference between both outcomes is the
-    stated error: it exceeds the error of an outcome that varies steadily between both
-    ticks. Errors of velocities are relative to the velocity scale, others to the
-    largest value of the measure.
+    stated error: it exceeds the error of an outcome that varies monotonically between
+    both ticks. Errors of velocities are relative to the velocity scale, others to the
+    largest absolute value of the measure.
 
-    Without a second run there are no errors: where transit times change by no more than
-    `ROUNDED`, or the cap ended the run. All are inf where both runs end for different
-    reasons.
+    `NO_ERRORS`, an empty mapping, is returned without a second run if the relative
+    change of transit times by rounding is at most `ROUNDED`, or if the cap on events
+    ended the run. All errors are inf if both runs end for different reasons.
     """
     if finished.clock.transit_error <= ROUNDED or finished.stopped_by == "max_events":
         return NO_ERRORS
@@ -48,6 +49,7 @@ def effect_of_rounding(finished: FrontRun) -> Mapping[str, float]:
     errors: dict[str, float] = {}
     other_measures = measures_of(other)
     for name, values in measures_of(finished).items():
+        # A row without contacts has no values; then `initial` is the maximum.
         largest_change = float(np.abs(values - other_measures[name]).max(initial=0.0))
         if name == runs.VELOCITY:
             scale = finished.run.velocity_scale
@@ -62,13 +64,14 @@ def effect_of_rounding(finished: FrontRun) -> Mapping[str, float]:
 def measures_of(finished: FrontRun) -> dict[str, Array]:
     """Values of each of `runs.MEASURES` by name, in SI units.
 
-    They are velocities after the run, [body], and impulses, peak forces and force
-    durations, [contact]. Times are three of each contact in one array: of its first and
-    last force, and of its last opening. One that never came is a tick before 0.
+    They are the velocities after the run, [body], and impulses, peak forces and force
+    durations, [contact]. The times are a single array, [3 * contact], of the first
+    force, the last force and the last opening of each contact. A time that does not
+    exist is minus the duration of a tick, since NONE is -1.
     """
     tick = finished.clock.tick
     tallies = [tally_of(node, tick) for node in finished.contacts]
-    times: list[float] = []  # a tick that is NONE is -1
+    times: list[float] = []
     for node in finished.contacts:
         times.append(node.first_force_tick * tick)
         times.append(node.last_force_tick * tick)
@@ -83,10 +86,11 @@ def measures_of(finished: FrontRun) -> dict[str, Array]:
 
 
 def accuracy_sentence(accuracy: Mapping[str, float]) -> str:
-    """Sentence that states the largest error by rounded transit times.
+    """Sentence that states the largest error due to rounded transit times.
 
-    `accuracy` has errors by measure. Without any the sentence is empty. An infinite
-    error is one that is not known. The sentence begins with a space.
+    `accuracy` has relative errors by measure. If it is empty, so is the sentence. If an
+    error is infinite, the sentence says that the error is not known. The sentence
+    begins with a space.
     """
     if not accuracy:
         return ""
@@ -99,19 +103,19 @@ def accuracy_sentence(accuracy: Mapping[str, float]) -> str:
 def with_faint_forces(
     finished: FrontRun, errors: Mapping[str, float]
 ) -> Mapping[str, float]:
-    """Relative errors of an outcome by measure, with those that faint forces make.
+    """Relative errors of an outcome by measure, including those from faint forces.
 
-    A contact that grazes after a faint force may press until it opens. The longest such
-    time, relative to the largest value, is added to the errors of durations and times.
-    If a contact grazes so at the end of a run to its proof, it may press for ever: both
-    are inf. `errors` are those so far, and stay as they are; without faint forces they
-    are returned themselves.
+    A contact that grazes after a faint force may in fact press until it opens. The
+    longest time of such grazing, over the largest duration or time, is added to the
+    errors of durations and times. Both are inf if a contact still grazes so at the end
+    of a run without a given end, as it may press for ever. `errors` are the errors so
+    far; they are not changed, and are returned themselves if no contact grazes so.
     """
     faint_ticks = 0
     for node in finished.contacts:
         faint_ticks = max(faint_ticks, node.faint_ticks)
-        grazes_in_the_end = node.is_faint and finished.until is None
-        if grazes_in_the_end:
+        may_press_for_ever = node.is_faint and finished.until is None
+        if may_press_for_ever:
             return {**errors, runs.DURATION: math.inf, runs.TIME: math.inf}
     if faint_ticks == 0:
         return errors

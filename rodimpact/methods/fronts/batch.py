@@ -1,4 +1,4 @@
-"""What is wanted of runs, and the members that run one after the other on one state."""
+"""Requests for runs, and batches of members that run one after the other on a state."""
 
 from typing import Any, NamedTuple
 
@@ -27,11 +27,11 @@ from .records import (
 INITIAL_LOG_ROWS = 32
 """Rows of the log, in addition to those at t = 0."""
 NUMBERS_PER_ROW = 18
-"""Memory of a row of the log with its signals, in numbers of 8 bytes."""
+"""Memory of a row of the log with its signals, in numbers of 8 bytes, if compiled."""
 NUMBERS_PER_LIST_ROW = 60
-"""The same in plain Python."""
+"""Memory of a row of the log with its signals in plain Python, in the same numbers."""
 PLAIN_ROW_TIME = 1e-5
-"""Approximate time of a row of the log in plain Python, s."""
+"""Approximate time that plain Python takes for a row of the log, s."""
 
 RECORD_TYPES = {
     "runs": RUN,
@@ -47,7 +47,7 @@ RECORD_TYPES = {
 
 
 class RunRequest(NamedTuple):
-    """What is wanted of a run: fields of `records.Run`."""
+    """The request for a run: fields of `records.Run`."""
 
     until: float | None  # end, s; None: to the proof of finality
     max_events: int
@@ -56,10 +56,10 @@ class RunRequest(NamedTuple):
     perturb_rounding: bool = False
 
     def store(self, run: Run) -> None:
-        """Set the fields of the record of a run that a request has; flags are 0 or 1.
+        """Copy the fields of the request to the record of a run; flags become 0 or 1.
 
-        Without a given end, `until` of the record becomes -1: a value below 0 stands
-        for -until default horizons.
+        If `until` is None, that of the record becomes -1: no end is given, and the
+        clock counts the whole default horizon, see `records.Run`.
         """
         run.until = -1.0 if self.until is None else self.until
         run.max_events = self.max_events
@@ -82,14 +82,14 @@ class FrontBatch(Batch[State]):
     def __init__(
         self, layout: FamilyLayout, request: RunRequest, *, is_compiled: bool
     ) -> None:
-        """Make the state for a layout and a request, without members yet.
+        """Make the state for a layout and a request; `load_members` adds the members.
 
         The request is stored in the record of the run. Records are lists of objects, or
         arrays if the members are to run in machine code.
         """
-        state = make_state(layout, INITIAL_LOG_ROWS, [])
+        state = make_state(layout, INITIAL_LOG_ROWS, values=[])  # no members yet
         request.store(state.runs[0])
-        # `make_state` makes lists.
+        # `make_state` makes lists; `to_arrays` below turns them into arrays.
         super().__init__(run_members, state, RECORD_TYPES, is_compiled=False)
         self.layout = layout
         self._result_buffer = np.empty((0, len(layout.closed_status)), NODE_RESULT)
@@ -97,16 +97,17 @@ class FrontBatch(Batch[State]):
             self.to_arrays()
 
     def load_members(self, values: Array) -> None:
-        """Put the values of other members, [member, value], into the state.
+        """Replace the members of the state by those with `values`, [member, value].
 
-        Room for their results is made there, too. In machine code it is that of earlier
-        results, whose arrays are overwritten. Nothing runs yet.
+        The results of the state become blank records for these members. In machine code
+        they reuse the arrays of earlier results, which are overwritten. Nothing runs
+        yet.
         """
         member_count = len(values)
         node_count = len(self.layout.closed_status)
         if self.is_compiled:
-            # Results reuse the memory, which grows if it is too small: new memory takes
-            # longer than a run.
+            # A new array takes longer than a run, so that one is made only if the
+            # buffer is too small.
             if len(self._result_buffer) < member_count:
                 self._result_buffer = np.empty((member_count, node_count), NODE_RESULT)
             results: Any = self._result_buffer[:member_count]
@@ -117,19 +118,19 @@ class FrontBatch(Batch[State]):
         self.state = self.state._replace(values=rows, results=results)
 
     def run_to_end(self, report: ProgressReport = no_report) -> None:
-        """Run the members that were loaded to their ends; their results are set.
+        """Run the loaded members to their ends; their results in the state are set.
 
-        As often as the log is full, it grows, `report` is told the number of events and
-        the expected one, or None, and the form of the state may change.
+        Whenever the log is full it grows, and the state may change from lists to
+        arrays. `report` is then called with the number of events so far, and with the
+        expected number or None, see `expected_events`.
 
         Raises
         ------
         TooLong
             If the log of one of them takes too much memory.
         """
-        while not self.run():
-            # An unfinished run is expected to take
-            # as long again as it has taken so far.
+        while not self.run():  # the log is full
+            # An unfinished run is expected to take as long again as it has so far.
             self.choose_form(len(self.state.log) * PLAIN_ROW_TIME)
             run = self.progress
             report(int(run.events), expected_events(run))
@@ -139,14 +140,14 @@ class FrontBatch(Batch[State]):
     def _ask_for_log(self) -> None:
         """Raise TooLong if the next, longer log takes too much memory.
 
-        Its signals count, too. The log itself stays as it is; a thread with a share of
-        memory may have to wait here, see `require_memory`.
+        Its signals count, too. The log is not changed. A thread with a share of memory
+        may have to wait here, see `require_memory`.
         """
         rows = len(self.state.log)
-        # Numbers of 8 bytes that the longer log takes
+        # Numbers of 8 bytes that the longer log and its signals take
         if self.is_compiled:
-            # A longer array takes memory as its rows are used:
-            # twice as many are counted.
+            # The array grows to four times its rows, but rows take memory only when
+            # they are used: twice the present rows are counted.
             numbers = rows * 2 * NUMBERS_PER_ROW
         else:
             numbers = rows * NUMBERS_PER_LIST_ROW
@@ -165,12 +166,12 @@ class FrontBatch(Batch[State]):
 
 
 def expected_events(run: Run) -> int | None:
-    """Estimated number of events of a run to a given time, at most its `max_events`.
+    """Expected number of events of a run to a given end, at most its `max_events`.
 
-    So far events came at a steady rate in time, which is taken to go on. The number is
-    None where a proof ends the run, and as long as the run is at t = 0.
+    The mean rate of events so far is assumed to continue. The number is None if the run
+    has no given end, or if it is still at t = 0.
     """
-    if run.end_tick <= 0 or run.now <= 0:  # NONE is below 0
+    if run.end_tick <= 0 or run.now <= 0:  # NONE, without a given end, is -1
         return None
     expected = int(run.events) * int(run.end_tick) // int(run.now)
     return min(int(run.max_events), expected)

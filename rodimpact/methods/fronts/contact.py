@@ -1,4 +1,4 @@
-"""What happens at a node: its contact law, its force, and the effects of the force.
+"""The contact law of a node, its force, and the totals of the force.
 
 In a uniform segment the velocity is v = (a + b)/2, with the wave a travelling to the
 right and b to the left. At a node a arrives from the left and b from the right; Y1 and
@@ -12,20 +12,21 @@ from ..states import Status
 from .records import CHANGE, IDLE, NEVER, NONE, Amplitude, Front, Node, Run
 
 FAINT_TOLERANCES = 1 << 24
-"""Velocity tolerances in the closing velocity of a faint force.
+"""A force is faint if the closing velocity that it stops is below 2^24 tolerances.
 
-A force that decays as r^n falls below the tolerance from less than tolerance/r. So
-every decay with r > 2^-24 passes through faint forces, and with the tolerance of 2^-48
-also every smaller r that is no round-off. Other forces end as waves cancel, and do not
-pass through faint ones.
+A force that decays as r^n falls below the tolerance from a value of less than
+tolerance/r. So every decay with r > 2^-24 passes through faint forces. With a smaller r
+the force is faint after one step, since the tolerance is 2^-48 of the velocity scale.
+Other forces end because waves cancel, and are never faint.
 """
 
 
 def reset_node(node: Node, zero: Amplitude) -> None:
     """Set a node to t = 0: no force, no motion, all totals 0.
 
-    `closed_status` and `gap` are set before, and stay: a node with a gap becomes OPEN,
-    any other gets its closed status. `zero` is 0 of the kind of number that is used.
+    `closed_status` and `gap` must be set, and do not change: a node with a gap > 0
+    becomes OPEN, any other gets its closed status. `zero` is 0 of the kind of number
+    that the run uses.
     """
     node.status = Status.OPEN.value if node.gap > 0 else node.closed_status
     node.solved_tick = 0
@@ -50,11 +51,12 @@ def resolve_contact(
 ) -> int:
     """Return the status that a contact has after arrivals.
 
-    Gap and gap rate of the node become those of now; its status and force do not change
-    yet. Signorini: gap >= 0, force >= 0, and one of them is 0. So a closed contact
-    presses if its faces would close without a force, and opens if they part; if they do
-    neither, one that pressed grazes. A gap that closes counts as TOUCH before that. As
-    long as the contact is closed, its gap rate is exactly 0.
+    Gap and gap rate of the node are brought up to date; its status and force are not
+    changed here. Signorini: gap >= 0, force >= 0, and one of them is 0. So a closed
+    contact becomes PRESS if its faces would approach without a force, and OPEN if they
+    part. If they do neither, PRESS becomes GRAZE, and any other status is kept. A gap
+    that closes now is TOUCH first, and is then judged as closed. The gap rate of a
+    closed contact is exactly 0.
 
     Parameters
     ----------
@@ -64,17 +66,19 @@ def resolve_contact(
     dt : int
         Ticks since the node was solved last.
     tolerance : float
-        A velocity that is not larger counts as 0, m/s.
+        Velocities up to this one count as 0, m/s.
     window : int
-        A gap that would close within so many ticks closes now.
+        A gap that would close within this number of ticks closes now.
     """
     gap = node.gap + node.gap_rate * dt
     status: int = node.status
-    # It closes now if it would do so within the window,
-    # at the speed before or after the arrivals.
-    if status == Status.OPEN and gap <= max(-node.gap_rate, closing) * window:
-        gap = 0 * gap  # 0 of the same kind of number: a float, or a fraction
-        status = Status.TOUCH.value
+    if status == Status.OPEN:
+        # The gap closes now if it would close within the window, at its closing speed
+        # before the arrivals or at that after them.
+        closing_speed = max(-node.gap_rate, closing)
+        if gap <= closing_speed * window:
+            gap = 0 * gap  # 0 of the same kind of number: a float, or a fraction
+            status = Status.TOUCH.value
     if status != Status.OPEN:
         if closing > tolerance:
             status = Status.PRESS.value
@@ -83,7 +87,7 @@ def resolve_contact(
         elif status == Status.PRESS:  # no force is left
             status = Status.GRAZE.value
     node.gap = gap
-    node.gap_rate = 0 * closing  # a gap that does not change has exactly this rate
+    node.gap_rate = 0 * closing  # 0, if the gap does not change
     if status == Status.OPEN and abs(closing) > tolerance:
         node.gap_rate = -closing
     return status
@@ -100,22 +104,23 @@ def log_contact_change(
 ) -> None:
     """Change the status of the contact at node k, and log the change.
 
-    Of the node, episodes, the ticks of first and last force and of the last opening are
-    brought up to date. So is `is_faint`: 1 if it grazes now, and the velocity that its
-    last force took away was near round-off. The force is still that before the change.
-    Of the run, `next_proof_tick` is set: a proof of finality may be tried from now on,
-    or, if the contact presses, only after the next change.
+    These fields of the node are brought up to date: the number of episodes, the ticks
+    of the first and last force and of the last opening, and `is_faint`: 1 if the status
+    changes from PRESS to GRAZE and the last force was faint, see `FAINT_TOLERANCES`.
+    The field `force` of the node must still be the force before the change. The run
+    gets a new `next_proof_tick`: if the contact presses now, no proof is due until the
+    next change of a contact; otherwise a proof may be tried from now on.
 
     Parameters
     ----------
     run : Run
     node : Node
     change : Front
-        The next free row of the log, which gets the change.
+        The next free row of the log; the change is written into it.
     k, tick : int
         Number of the node, and tick of the change.
     status : int
-        The new one; a change from OPEN to OPEN is a touch without a force.
+        The new status; a change from OPEN to OPEN is a touch without a force.
     mobility : float
         Y1 + Y2, s/kg.
     """
@@ -123,29 +128,28 @@ def log_contact_change(
     node.status = status
     node.is_faint = 0
     if before == Status.PRESS and status == Status.GRAZE:
-        # The closing velocity that its last force took away
+        # The closing velocity that the last force stopped, as F = (a - b)/(Y1 + Y2)
         last_closing = node.force * mobility
         if last_closing <= run.velocity_tolerance * FAINT_TOLERANCES:
             node.is_faint = 1
     if status == Status.PRESS:
-        if before != Status.GRAZE:  # grazing belongs to the episode before
+        if before != Status.GRAZE:  # after grazing the same episode goes on
             node.episodes += 1
         if node.first_force_tick == NONE:
             node.first_force_tick = tick
-        # A proof while a contact presses succeeds only with no front left in flight:
-        # `run_to_end` tries that when there are no more events.
+        # While a contact presses, a proof succeeds only if no front is in flight. Then
+        # there are no more events, and `run_to_end` tries a proof anyway.
         run.next_proof_tick = IDLE
     else:
         run.next_proof_tick = min(run.next_proof_tick, tick)
         if before == Status.PRESS:
             node.last_force_tick = tick
-        # Since it closed, see the order of `Status`
-        has_pressed = before >= Status.GRAZE
+        has_pressed = before >= Status.GRAZE  # since it closed, see `Status`
         if status == Status.OPEN and has_pressed:
             node.last_opening_tick = tick
     change.tick = tick
     change.line = CHANGE
-    change.next_row = k  # a change has no next row: the field holds its node
+    change.next_row = k  # a change has no next row: this field holds the node
     change.value = status
 
 
@@ -159,15 +163,15 @@ def solve_force(
 ) -> Amplitude:
     """Set the force of a node and `face_velocity`, the velocity of its left face.
 
-    Where the node presses or is bonded, both faces move alike: F = (a - b)/(Y1 + Y2).
-    At an end under a given force, F Y arrives from outside as a wave. Elsewhere there
-    is no force.
+    If the node presses or is bonded, both faces have the same velocity, so that
+    F = (a - b)/(Y1 + Y2). At an end under a given force (PUSH), F Y arrives as a wave
+    from outside. For any other status the force is 0. The status must be the new one.
 
     Returns
     -------
     float
-        a, the velocity of the left face without the force, m/s. At a pushed left end,
-        which has no left segment, a + b, the velocity of the end.
+        a, the velocity of the left face without the force, m/s. At a left end under a
+        given force, which has no left segment, a + b, the velocity of the end.
     """
     force = 0 * a  # 0 of the same kind of number
     force_free_velocity = a
@@ -178,7 +182,7 @@ def solve_force(
             # The wave from outside is a = F Y2, and the end has the velocity b + F Y2.
             force = a / right_mobility
             force_free_velocity = a + b
-        else:
+        else:  # the right end, where the wave from outside is b = F Y1
             force = b / left_mobility
     node.force = force
     node.face_velocity = force_free_velocity - force * left_mobility
@@ -186,19 +190,20 @@ def solve_force(
 
 
 def accumulate_contact_totals(node: Node, dt: int, window: int) -> None:
-    """Add the effects of the force in the `dt` ticks since the node was solved last.
+    """Bring the totals of a node up to `dt` ticks after it was solved last.
 
-    These are impulse, its moment integral(F t dt), work, peak force, the ticks with
-    status PRESS, and those of grazing after a faint force. A force that lasts no more
-    than `window` ticks is left out of the peak. `solved_tick` stays as it is.
+    They are impulse, its moment integral(F t dt), work, peak force, the ticks with
+    status PRESS, and the ticks of grazing after a faint force. Force and status have
+    been constant in these ticks. A force that lasts no more than `window` ticks does
+    not count for the peak. `solved_tick` does not change.
     """
     if node.force != 0:
         impulse = node.force * dt
         node.impulse += impulse
         node.impulse_moment += impulse * (node.solved_tick + dt / 2)  # mean time
         node.work += node.force * node.face_velocity * dt
-        # A shorter force comes from waves that
-        # meet at one tick, but for their rounding.
+        # A shorter force is an artefact of rounding: without it, the waves at its two
+        # ends would arrive at the same tick.
         if dt > window:
             node.peak_force = max(node.peak_force, node.force)
     if node.status == Status.PRESS:
@@ -208,22 +213,24 @@ def accumulate_contact_totals(node: Node, dt: int, window: int) -> None:
 
 
 def find_closing_tick(node: Node, tick: int, arrival_tick: int, window: int) -> int:
-    """Tick at which an open contact is solved next: its gap closes, or a wave arrives.
+    """Tick of the next event of an open contact: its gap closes, or a wave arrives.
 
-    The gap goes on at its present rate; nothing is changed.
+    Until then the gap changes at its present rate. The tick at which it closes is
+    rounded to a whole one. Nothing is changed.
 
     Parameters
     ----------
     node : Node
     tick : int
-        Now.
+        Tick of now.
     arrival_tick : int
         Tick of the next arrival.
     window : int
-        A gap that closes at most so many ticks before an arrival waits for it.
+        If the gap closes at most this number of ticks before the arrival, or later, the
+        tick of the arrival is returned.
     """
     if node.gap < -node.gap_rate * (NEVER - tick):  # it closes before the clock ends
-        # gap/speed + 1/2, with the speed -gap_rate; the 1/2 makes `trunc` round
+        # gap/speed + 1/2, with the speed -gap_rate; `trunc` of it is the nearest tick
         ticks = (2 * node.gap - node.gap_rate) / (-2 * node.gap_rate)
         closing_tick: int = tick + math.trunc(ticks)
         if closing_tick + window < arrival_tick:

@@ -17,10 +17,10 @@ from .records import NODE_RESULT
 PLAIN_PAIR_TIME = 4e-7  # s, comparison of two durations in plain Python
 
 FIRST_BLOCK_SIZE = 64  # members
-MAX_BLOCK_SIZE = 2048
+MAX_BLOCK_SIZE = 2048  # members
 BLOCK_GROWTH = 16  # growth factor of the block size after a quick block
-BLOCK_TIME = 0.1  # s; a block aims at less, so that `should_stop` is asked that often
-# Browsers have no time of a thread.
+BLOCK_TIME = 0.1  # s; blocks settle below it, so that `should_stop` is called often
+# In a browser Python has no `thread_time`.
 processor_time = getattr(time, "thread_time", time.perf_counter)
 
 
@@ -34,36 +34,37 @@ def solve_one(
 ) -> FrontBatch:
     """Run a single collision, and return the batch that has its records.
 
-    With `until` in the request the run ends there, else one round trip of the longest
-    body after the proof.
+    If the request gives an end `until`, the run ends there, otherwise one round trip of
+    the longest body after the proof. The first reason to stop may also be the cap on
+    events. `run_past_proof` of the request is taken as True.
 
     Parameters
     ----------
     layout : FamilyLayout
     request : RunRequest
     report : function
-        Told how many events are done.
+        Called now and then with the numbers of events so far and expected.
 
     Returns
     -------
     FrontBatch
-        Where the collision has no clock it has not run, and its stop reason is
-        OVERFLOW, LONG or SHORT: for that `FrontRun` raises InvalidModel.
+        If the collision has no clock, it has not run, and its stop reason is OVERFLOW,
+        LONG or SHORT; `FrontRun` then raises InvalidModel.
 
     Raises
     ------
     TooLong
         If the run takes too much memory.
     """
-    # Time in plain Python, s: the tick rule compares all pairs of durations. The run
-    # itself is counted as its log grows.
+    # Time of the tick rule in plain Python, s. It compares all pairs of durations; four
+    # comparisons a pair are counted. `run_to_end` adds the time of the run itself.
     tick_rule_time = (2 * layout.duration_count) ** 2 * PLAIN_PAIR_TIME
     is_compiled = kernels.worth_compiling(tick_rule_time, run_members)
     batch = FrontBatch(
         layout, request._replace(run_past_proof=True), is_compiled=is_compiled
     )
-    batch.load_members(np.array([layout.values], dtype=float))
-    batch.run_to_end(report)  # or TooLong
+    batch.load_members(np.array([layout.values], dtype=float))  # a single member
+    batch.run_to_end(report)  # may raise TooLong
     return batch
 
 
@@ -79,9 +80,9 @@ def solve_many(
 ) -> dict[tuple[str, int], Array]:
     """Run every member of a family to `until`, or to its proof of finality.
 
-    Members run in blocks that share records small enough for the processor's cache, in
-    plain Python until machine code pays. The size of the blocks is adapted so that each
-    takes about `BLOCK_TIME`.
+    Members run in blocks whose records are small enough for the processor's cache, in
+    plain Python until machine code pays. The block size grows after a quick block and
+    is halved after any other, so that blocks settle below `BLOCK_TIME`.
 
     Parameters
     ----------
@@ -91,20 +92,21 @@ def solve_many(
     fields : sequence of (str, int)
         Fields of `records.NodeResult` to return, each with the node.
     should_stop : callable
-        Asked before each block whether to give up.
+        Called before each block; True ends the run with Stopped.
     later_members : int
-        Members that other calls will run in this process.
+        Number of members that other calls will run in this process.
 
     Returns
     -------
     dict of (str, int) to array
-        By field and node, as `fields` names them, [member] in C order. Members without
-        a clock are told by their `stop_reason`.
+        Results by field and node, as `fields` names them, [member] in C order. The
+        results of a member without a clock are meaningless, except `stop_reason`:
+        OVERFLOW, LONG or SHORT.
 
     Raises
     ------
     Stopped
-        If `should_stop` said so.
+        If `should_stop` returned True.
     TooLong
         If a member takes too much memory.
     """
@@ -113,8 +115,7 @@ def solve_many(
     columns: dict[tuple[str, int], Array] = {}
     for name, k in fields:
         columns[name, k] = np.empty(count, NODE_RESULT[name])
-    # Time of a member in plain Python, s:
-    # estimated, until a block that took long is measured
+    # Time of a member in plain Python, s: estimated at first, then measured
     member_time = INITIAL_LOG_ROWS * PLAIN_ROW_TIME
     is_measured = False
     batch = FrontBatch(layout, request, is_compiled=False)
@@ -126,9 +127,12 @@ def solve_many(
         block = slice(first, min(first + size, count))
         length = block.stop - first
         begin = processor_time()
-        ahead = 0.0  # time in plain Python that is certain to follow, s
-        if is_measured:  # an estimate is not certain
-            ahead = member_time * (count - block.stop + later_members)
+        # Time in plain Python of the members after this block, s, as far as it is
+        # certain
+        ahead = 0.0
+        if is_measured:
+            members_after = count - block.stop + later_members
+            ahead = member_time * members_after
         is_compiled = kernels.worth_compiling(
             member_time * length, run_members, ahead=ahead
         )
@@ -142,7 +146,6 @@ def solve_many(
             member_time = seconds / length
             if not is_quick:  # the time of a quick block is not exact
                 is_measured = True
-        # Blocks grow as long as they are quick; any other one is followed by a smaller.
         if is_quick:
             size = min(BLOCK_GROWTH * size, MAX_BLOCK_SIZE)
         else:
@@ -158,8 +161,8 @@ def run_block(
 ) -> None:
     """Run a block of members to their ends, and store their results in `columns`.
 
-    `block` is a range of members. The columns, by field and node, have an entry for
-    every member of the family; those of the block are set.
+    `block` is a range of members. Each column, by field and node, has an entry for
+    every member of the family; the entries of the block are set. The batch is changed.
     """
     batch.load_members(members.values_of(block))
     batch.run_to_end()
@@ -171,29 +174,29 @@ def run_block(
 class MemberValues:
     """The values of the members of a family, block by block.
 
-    A block is some members that run one after the other; `_block`, [member, value], is
-    filled for each block anew with what varies.
+    A block is a range of members. Its values are in `_block`, [member, value]: those
+    that all members share are filled in once, the others for each block.
     """
 
     def __init__(self, layout: FamilyLayout) -> None:
         """Fill `_block` with the values that all members share.
 
-        Those that vary are kept in `_varying` by their place, [member] each.
+        `_varying` gets the values that vary, [member] each, by their index.
         """
         size = min(layout.row.members, MAX_BLOCK_SIZE)
         self._block = np.empty((size, len(layout.values)))
         self._varying: dict[int, Array] = {}
         for j, value in enumerate(layout.values):
-            if np.ndim(value) == 0:
-                self._block[:, j] = value  # for good: no block changes it
+            if np.ndim(value) == 0:  # all members share it
+                self._block[:, j] = value
             else:
                 shape = layout.row.system.shape
                 self._varying[j] = np.broadcast_to(value, shape).ravel()
 
     def values_of(self, block: slice) -> Array:
-        """Values of a range of members, [member, value].
+        """Values of the members of a block, [member, value].
 
-        They are a part of `_block`, which the next call overwrites.
+        The array is a view of `_block`, which the next call overwrites.
         """
         values = self._block[: block.stop - block.start]
         for j, value in self._varying.items():

@@ -12,21 +12,22 @@ from .records import NONE, Amplitude, Log, Segment, State
 
 
 def update_motion(state: State) -> None:
-    """Set velocities of groups, and momenta and energies of segments, to those of now.
+    """Set the present velocities of groups, and momenta and energies of segments.
 
-    The energies are those of vibration about the velocities of the groups. At t = 0
-    they are found for runs past the proof only; in others they have no meaning yet.
+    The energies are those of vibration about the velocities of the groups. Before the
+    first event they are set only if `run_past_proof` of the run is 1; otherwise they
+    have no meaning yet.
     """
     run = state.runs[0]
     nodes = state.nodes
     last = nodes[len(nodes) - 1]
     is_anchored = nodes[0].status == Status.BOND or last.status == Status.BOND
-    # The velocities follow from the momenta at t = 0, and where something is bonded to
-    # the outside; else from the impulses.
+    # At t = 0, and if an end of the row is bonded, the group velocities follow from the
+    # momenta of the segments; otherwise from the impulses.
     if is_anchored or run.events == 0:
         measure_segments(state)
     set_group_velocities(state)
-    # Energies are those about the velocities that are now known.
+    # Vibration energies need the group velocities, which are known only now.
     if run.run_past_proof or run.events > 0:
         measure_segments(state)
 
@@ -34,8 +35,9 @@ def update_motion(state: State) -> None:
 def measure_segments(state: State) -> None:
     """Set momentum, and vibration energy about `group_velocity`, of each segment.
 
-    Both are sums over its two waves: what was sent to either end in the last transit
-    time. They are in N s and J, over the duration of a tick.
+    Both are sums over the two waves in the segment, which were sent from its ends
+    within the last transit time. Their units are N s and J, divided by the duration of
+    a tick.
     """
     now = state.runs[0].now
     log = state.log
@@ -50,11 +52,11 @@ def measure_segments(state: State) -> None:
             # From the end where the waves arrive, back to the end where they are sent
             r = line.next_row
             wave = line.incoming_wave
-            # Ticks since this wave was first sent: those of a transit count.
+            # Number of ticks ago at which this wave began to be sent, at most a transit
             first_sent_ago = segment.transit
             while r != NONE:
-                front = log[r]
-                # Ticks over which it was sent, up to the front behind it
+                front = log[r]  # the front behind this wave, sent at `front.tick`
+                # Ticks during which the wave was sent: it ended now - front.tick ago.
                 width = first_sent_ago - now + front.tick
                 wave_integral += wave * width
                 square_integral += (wave - mean) * (wave - mean) * width
@@ -62,7 +64,7 @@ def measure_segments(state: State) -> None:
                 first_sent_ago = now - front.tick
                 wave = front.value
                 r = front.next_row
-            # The last wave is still sent.
+            # The last wave is still being sent: its width is all of `first_sent_ago`.
             wave_integral += wave * first_sent_ago
             square_integral += (wave - mean) * (wave - mean) * first_sent_ago
         segment.momentum = impedance * wave_integral / 2
@@ -72,10 +74,11 @@ def measure_segments(state: State) -> None:
 def set_group_velocities(state: State) -> None:
     """Set `group_velocity` of all segments: V of their bonded group, of mass m.
 
-    V = p/m at t = 0, and V(0) + (impulse on the left - impulse on the right)/m later:
-    impulses are more exact than the momenta p of waves, and independent of them. A
-    group bonded to what is outside always has V = p/m. Where p counts, the momenta of
-    the segments have just been measured.
+    Before the first event, V = p/m, with p the sum of the momenta of its segments.
+    Afterwards, V = V(0) + (impulse at the left end - impulse at the right end)/m:
+    impulses are more exact than the momenta of waves, and independent of them. But a
+    group that is bonded to the outside always has V = p/m. Where p is used, the momenta
+    must have been measured.
     """
     run = state.runs[0]
     segments = state.segments
@@ -86,6 +89,7 @@ def set_group_velocities(state: State) -> None:
         mass = 0 * segments[first].mobility  # 0 of the same kind of number
         momentum = mass  # 0, too
         for s in range(first, last + 1):
+            # The mass of a segment is Z T, over the duration of a tick.
             mass += segments[s].transit / segments[s].mobility
             momentum += segments[s].momentum
         velocity = momentum / mass
@@ -111,7 +115,8 @@ def store_initial_motion(segments: Sequence[Segment]) -> None:
 def find_wave_differences(state: State) -> None:
     """Set `max_wave_difference` of each segment, m/s, over the whole run up to now.
 
-    It is the largest absolute difference of its two waves where they meet.
+    It is the largest absolute difference of the two waves of the segment at any point
+    and any time at which they meet, see `largest_difference`.
     """
     run = state.runs[0]
     for s in range(1, len(state.segments) - 1):
@@ -128,9 +133,9 @@ def largest_difference(
 ) -> Amplitude:
     """Largest absolute difference of the two waves of a segment where they meet, m/s.
 
-    Meetings between 0 and `end_tick` count. Waves that leave the two ends of a segment
-    at p and q meet at (p + q + T)/2 if abs(p - q) < T, its transit time. If nothing
-    that counts meets, it is 0.
+    Meetings between tick 0 and `end_tick` count. Waves that leave the two ends of a
+    segment at p and q meet at (p + q + T)/2 if abs(p - q) < T, the transit time. The
+    result is 0 if no meeting counts.
 
     Parameters
     ----------
@@ -140,45 +145,44 @@ def largest_difference(
     transit, end_tick : int
         Transit time of the segment, and end of the run.
     window : int
-        A wave that lasts no longer, ticks, comes of round-off, and does not count.
+        A wave that lasts at most this number of ticks is round-off, and does not count.
     """
     largest = abs(0 * log[row_a].value)  # 0 of the same kind of number
     while row_a != NONE:
         wave_a = log[row_a]
-        a0 = wave_a.tick  # the wave was sent from a0 to a1
+        a0 = wave_a.tick  # the wave was sent from a0 to a1, when the next front was
         a1 = end_tick
         if wave_a.next_row != NONE:
             a1 = min(log[wave_a.next_row].tick, end_tick)
-        # Waves whose last part left the other end a transit before this one do not meet
-        # it. They meet no later one either, so that `row_b` only goes on.
+        # Skip the waves b that ended a transit or more before a0: they meet neither
+        # this wave nor any later one, so that `row_b` never goes back.
         next_b = log[row_b].next_row
         while next_b != NONE and log[next_b].tick <= a0 - transit:
             row_b = next_b
             next_b = log[row_b].next_row
-        # Waves that left the other end a transit after this one,
-        # or later, do not meet it either.
+        # Waves b that began a transit after a1, or later, do not meet this wave either.
         r = row_b
-        lasts_a = a1 - a0 > window  # else this wave comes of round-off
+        lasts_a = a1 - a0 > window  # otherwise this wave is round-off
         while lasts_a and r != NONE and log[r].tick < a1 + transit:
             wave_b = log[r]
-            b0 = wave_b.tick  # the other wave was sent from b0 to b1
+            b0 = wave_b.tick  # this wave was sent from b0 to b1
             b1 = end_tick
             if wave_b.next_row != NONE:
                 b1 = min(log[wave_b.next_row].tick, end_tick)
             lasts_b = b1 - b0 > window
-            # The part of a that was sent from first_a to last_a meets that of b from
+            # The part of a sent from first_a to last_a meets the part of b sent from
             # first_b to last_b.
             first_a = max(a0, b0 - transit)
             first_b = max(b0, a0 - transit)
             last_a = min(a1, b1 + transit)
             last_b = min(b1, a1 + transit)
             meet = first_a < last_a and first_b < last_b
-            # They meet from (first_a + first_b + T)/2 to (last_a + last_b + T)/2. These
-            # times are compared with 0 and the end without a sum of two ticks, which
-            # could overflow.
-            # (last_a + last_b + T)/2 > 0
+            # These parts meet from (first_a + first_b + T)/2 to (last_a + last_b +
+            # T)/2. The comparisons with 0 and with the end are rearranged, since a sum
+            # of two ticks could overflow.
+            # The last meeting is after tick 0: (last_a + last_b + T)/2 > 0.
             after_start = last_a > -transit - last_b
-            # (first_a + first_b + T)/2 < end_tick
+            # The first one is before the end: (first_a + first_b + T)/2 < end_tick.
             before_end = first_a - end_tick < end_tick - transit - first_b
             if meet and after_start and before_end and lasts_b:
                 largest = max(largest, abs(wave_b.value - wave_a.value))

@@ -1,17 +1,18 @@
 """The event queue: a winner tree with the next tick of every node.
 
-Entry 1 is the root. The leaves stand in the second half, the leaf of node k at
-``leaves + k``, and every entry above is the smaller of its two children. The earliest
-tick is read in O(1), and setting one takes O(log n).
+The root is entry 1, and the children of entry i are the entries 2 i and 2 i + 1. The
+leaves are the second half of the entries: the leaf of node k is entry ``leaves + k``.
+Every other entry is the smaller of its two children; entry 0 is not used. Reading the
+earliest tick takes O(1), and setting a tick O(log n).
 """
 
 from .records import Queue
 
 
 def size_for(nodes: int) -> int:
-    """Number of entries of the queue of so many nodes.
+    """Number of entries of the queue for this number of nodes.
 
-    It is twice the number of leaves, the smallest power of two that is no less than
+    It is twice the number of leaves: the smallest power of two that is at least
     `nodes`.
     """
     size = 2
@@ -28,7 +29,7 @@ def schedule(queue: Queue, leaf: int, tick: int) -> None:
     queue[leaf] = tick
     i = leaf
     while i > 1:
-        # Entry i ^ 1 is the other child of the same entry
+        # The entries i and i ^ 1 are the two children of entry i // 2.
         earlier = min(queue[i], queue[i ^ 1])
         i //= 2
         queue[i] = earlier
@@ -37,20 +38,23 @@ def schedule(queue: Queue, leaf: int, tick: int) -> None:
 def first_leaf(queue: Queue) -> int:
     """Index in the queue of the leaf with the earliest tick, the leftmost of several.
 
-    The leaf of node k has the index ``leaves + k``, `leaves` half the entries.
+    The leaf of node k has the index ``leaves + k``, where `leaves` is half the number
+    of entries.
     """
     leaves = len(queue) // 2
     earliest = queue[1]
     i = 1
     while i < leaves:
-        # The left child is taken if it has that tick. The comparison counts 0 or 1: a
-        # branch, which goes either way as often, takes longer.
+        # Go to the left child if it has the earliest tick, else to the right one. The
+        # truth value is added as 0 or 1: a branch would be slower, as the processor
+        # cannot predict it.
         is_right = queue[2 * i] != earliest
         i = 2 * i + is_right
     return i
 
 
 def build_tree(queue: Queue) -> None:
-    """Set all entries above the leaves."""
+    """Set all entries above the leaves, from the ticks in the leaves."""
+    # From the last entry that is no leaf up to the root: children first
     for i in range(len(queue) // 2 - 1, 0, -1):
         queue[i] = min(queue[2 * i], queue[2 * i + 1])

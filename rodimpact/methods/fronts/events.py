@@ -5,9 +5,9 @@ fronts: when each left an end, and the wave behind it. A driven end receives fro
 its line from outside, with transit time 0: a given velocity V is the wave a = V, and a
 given force F is the wave a = F Y. A wall bonded to the row has a constant velocity.
 
-An event is a node at a tick at which waves arrive there, or at which its gap closes.
-The log holds all fronts ever sent. Those of one line are chained, so that the log is
-also the list of the fronts in flight, and all that a solution needs later.
+An event happens at a node, at a tick at which waves arrive there or its gap closes. The
+log holds all fronts ever sent. The fronts of a line are chained, so that the log also
+gives the fronts in flight. A solution needs nothing else later.
 
 Kernels do only + - * /, abs and comparisons with whole constants on amplitudes, so that
 they run on floats and, in exact arithmetic, on fractions.
@@ -28,15 +28,15 @@ MAX_ROWS_PER_EVENT = 3  # rows of the log: a change of status and two fronts
 def start(state: State) -> None:
     """Set lines, nodes, groups, event queue and progress of the run to t = 0.
 
-    Nothing is solved yet: nodes are due at t = 0. These are set before: transit and
-    mobility of the segments, closed status and gap of the nodes, what arrives from the
-    walls, and the first `initial_rows` rows of the log. These rows are the fronts that
-    fill each line, in order of time. The first of a line left one transit ago, so that
-    it has just arrived. On a line from outside the first front holds from t = 0 on, and
-    later ones arrive at their own tick.
+    No event is solved yet: the nodes are due at t = 0. The following must be set:
+    transit and mobility of the segments, closed status and gap of the nodes, the waves
+    that arrive from walls, and the first `initial_rows` rows of the log. These rows are
+    the fronts that fill each line, in order of time. The first front of a line left one
+    transit before t = 0, so that it has just arrived. On a line from outside the first
+    front holds from t = 0 on, and later ones arrive at their own tick.
     """
     run = state.runs[0]
-    zero = 0 * state.segments[1].mobility  # 0 of the kind of number that is used
+    zero = 0 * state.segments[1].mobility  # 0 of the same kind of number
     empty_lines(state.lines, zero)
     chain_initial_fronts(state)
     for node in state.nodes:
@@ -59,7 +59,7 @@ def empty_lines(lines: Sequence[Line], zero: Amplitude) -> None:
     """Take all fronts off the lines.
 
     `incoming_wave` becomes `zero` on the lines inside the row. On the first two and the
-    last two lines, which lie outside, it stays: the wave of a wall.
+    last two lines, which lie outside, it is kept: it is the wave of a wall.
     """
     last = len(lines) - 1
     for l in range(len(lines)):
@@ -68,16 +68,17 @@ def empty_lines(lines: Sequence[Line], zero: Amplitude) -> None:
         line.next_row = NONE
         line.last_row = NONE
         line.arrival_tick = IDLE
-        if 1 < l < last - 1:
+        if 1 < l < last - 1:  # inside the row
             line.incoming_wave = zero
 
 
 def chain_initial_fronts(state: State) -> None:
-    """Put the fronts of the log at t = 0 on their lines, which are empty before.
+    """Put the fronts that the log has at t = 0 on their lines, which must be empty.
 
     The fronts of a line are chained in the order of the log: `next_row` of a front is
-    that of the front behind it. The first one has just arrived: it is the incoming
-    wave. The second arrives next: `next_row` of the line is its row.
+    the row of the front behind it. The first front of a line has just arrived: its
+    value is the incoming wave. The second front arrives next: `next_row` of the line is
+    its row.
     """
     log = state.log
     for r in range(state.runs[0].initial_rows):
@@ -89,9 +90,10 @@ def chain_initial_fronts(state: State) -> None:
             line.first_row = r
         else:
             log[line.last_row].next_row = r
-            if line.next_row == NONE:  # the second one
+            if line.next_row == NONE:  # the second front of its line
                 line.next_row = r
-                segment = state.segments[front.line // 2]  # it has two lines
+                # Segment s has the lines 2 s and 2 s + 1.
+                segment = state.segments[front.line // 2]
                 line.arrival_tick = front.tick + segment.transit
         line.last_row = r
 
@@ -99,17 +101,18 @@ def chain_initial_fronts(state: State) -> None:
 def find_bonded_groups(segments: Sequence[Segment], nodes: Sequence[Node]) -> None:
     """Set `group_first` and `group_last` of each segment: the ends of its bonded group.
 
-    A segment that is bonded to no other is a group of one. What lies outside gets the
-    empty range from 1 to 0, also where it is bonded to the row.
+    A segment that is bonded to no other is a group of one. The two segments outside the
+    row get the empty range from 1 to 0, even where they are bonded to the row.
     """
     n = len(nodes) - 1
     for s in range(n + 2):
         segments[s].group_first = s
         segments[s].group_last = s
-        if s < 1 or s > n:  # what lies outside is no group
+        if s < 1 or s > n:  # outside the row
             segments[s].group_first = 1
             segments[s].group_last = 0
-    # Node k joins the segments k and k + 1.
+    # Node k joins the segments k and k + 1. First ends are handed on to the right, last
+    # ends to the left.
     for k in range(1, n):
         if nodes[k].status == Status.BOND:
             segments[k + 1].group_first = segments[k].group_first
@@ -119,26 +122,27 @@ def find_bonded_groups(segments: Sequence[Segment], nodes: Sequence[Node]) -> No
 
 
 def schedule_all_nodes(state: State) -> None:
-    """Fill the event queue: every node is due at t = 0, but for some free ends.
+    """Fill the event queue: every node is due at t = 0, except some free ends.
 
-    A free end whose outgoing wave already equals the incoming one waits for its next
-    arrival. Leaves without a node are IDLE.
+    A free end whose outgoing wave equals the incoming one has no event at t = 0, but is
+    due at its next arrival. Leaves of the queue that have no node are IDLE.
     """
     queue = state.queue
     leaves = len(queue) // 2
     for k in range(leaves):
         queue[leaves + k] = IDLE
-    # Lines 2 s and 2 s + 1 run to the right and to the left in segment s.
+    # Segment s has the line 2 s to the right and the line 2 s + 1 to the left.
     for k in range(len(state.nodes)):
         queue[leaves + k] = 0
         if state.nodes[k].status == Status.FREE:
-            # Line that arrives here from inside: to the left in segment 1, or to the
-            # right in the last one
+            # Line that arrives here from inside the row: the line to the left in
+            # segment 1, or the line to the right in the last segment
             incoming = 3 if k == 0 else 2 * k
-            outgoing = incoming ^ 1  # the other line of the same segment
+            outgoing = incoming ^ 1  # the other line of this segment
             incoming_wave = state.lines[incoming].incoming_wave
             last_row = state.lines[outgoing].last_row
-            # A free end sends back the wave that arrives: equal ones need no event.
+            # A free end reflects the wave that arrives unchanged: if the outgoing wave
+            # already equals it, there is no event.
             if state.log[last_row].value == incoming_wave:
                 queue[leaves + k] = state.lines[incoming].arrival_tick
     event_queue.build_tree(queue)
@@ -150,11 +154,11 @@ def schedule_all_nodes(state: State) -> None:
 def advance(state: State, horizon: int) -> int:
     """Run to tick `horizon`, or to a full log, a proof that is due, or the cap.
 
-    Each event is a node at its tick: arrivals are taken, status and force are found,
-    and a front is sent where an outgoing wave changes. Events at `horizon` still
-    happen. Nothing is half done when this returns: grow a full log, and call again. The
-    state is changed: nodes, lines, log, queue, and the progress in the run. `run.now`
-    is the tick of the last event.
+    At each event, one node takes its arrivals, finds its status and force, and sends a
+    front on each line where the outgoing wave changes. Events at tick `horizon` are
+    included. This never stops within an event: if the log is full, grow it and call
+    again. The state is changed: nodes, lines, log, queue, and the progress in the run.
+    `run.now` is the tick of the last event.
 
     Returns
     -------
@@ -170,7 +174,7 @@ def advance(state: State, horizon: int) -> int:
     tolerance = run.velocity_tolerance
     window = run.round_off_window
     leaves = len(queue) // 2  # leaf `leaves + k` of the queue is the tick of node k
-    # The last row of the log from which an event still fits
+    # An event fits into the log if its first row is not after this one.
     last_free_row = len(log) - MAX_ROWS_PER_EVENT
     rows = run.log_rows
     events = run.events
@@ -194,7 +198,7 @@ def advance(state: State, horizon: int) -> int:
         b = from_right.incoming_wave
         next_arrival = min(from_left.arrival_tick, from_right.arrival_tick)
 
-        # Effects of the force up to now, before the force changes
+        # Totals up to now, before the force changes
         dt = tick - node.solved_tick
         contact.accumulate_contact_totals(node, dt, window)
         node.solved_tick = tick
@@ -204,8 +208,8 @@ def advance(state: State, horizon: int) -> int:
         right_mobility = segments[k + 1].mobility
         if node.status >= Status.OPEN:  # a contact that can open
             status = contact.resolve_contact(node, a - b, dt, tolerance, window)
-            # A gap that was open closed and opens again, without a force between. At
-            # dt = 0 no time has passed: a gap of 0 may have been closed before.
+            # A touch without a force: an open gap has closed and opens again at once.
+            # At dt = 0 no gap closes: the contact has just opened.
             is_touch = status == Status.OPEN and dt > 0 and node.gap == 0
             if status != node.status or is_touch:
                 mobility = left_mobility + right_mobility
@@ -214,7 +218,8 @@ def advance(state: State, horizon: int) -> int:
                 )
                 rows += 1
         is_left_end = k == 0
-        # The wave to the left without the force: a, but a + b at a pushed left end
+        # Velocity of the left face without the force: a, but a + b at a left end under
+        # a given force
         force_free_velocity = contact.solve_force(
             node, a, b, left_mobility, right_mobility, is_left_end
         )
@@ -260,10 +265,11 @@ def advance(state: State, horizon: int) -> int:
 def find_stop(run: Run, tick: int, horizon: int, is_full: bool, events: int) -> int:
     """Why a run stops before its next event, as `states.Stop`; NONE if it goes on.
 
-    The event is at `tick`. The reasons are, in this order: it is after `horizon`
-    (DONE), a proof is due (CHECK), the log has no room for an event, which `is_full`
-    says (FULL), or the number of `events` has reached the cap (CAP). The cap waits for
-    other nodes that have an event at the tick of the last one.
+    `tick` is that of the next event, and `events` the number of events so far. The
+    reasons are checked in this order. DONE: the event is after `horizon`. CHECK: a
+    proof is due, see `Run.next_proof_tick`. FULL: the log has no room for an event, as
+    `is_full` says. CAP: `max_events` of the run is reached, and all events at the tick
+    `run.now` of the last one have happened.
     """
     if tick > horizon:
         return Stop.DONE.value
@@ -277,11 +283,11 @@ def find_stop(run: Run, tick: int, horizon: int, is_full: bool, events: int) -> 
 
 
 def receive(line: Line, log: Log, transit: int) -> None:
-    """Take the front that arrives, of which there must be one, off a line.
+    """Take the front that arrives off its line; there must be one.
 
-    Its value is the incoming wave of the line from now on, m/s. The front after it is
-    next, and arrives a transit time, `transit` ticks, after it was sent; without one
-    `next_row` is NONE and `arrival_tick` IDLE.
+    Its value becomes the incoming wave of the line. The front behind it becomes the
+    next to arrive, `transit` ticks after it was sent. If there is none, `next_row`
+    becomes NONE and `arrival_tick` IDLE.
     """
     front = log[line.next_row]
     line.incoming_wave = front.value
@@ -294,11 +300,11 @@ def receive(line: Line, log: Log, transit: int) -> None:
 def send(
     line: Line, log: Log, log_row: int, tick: int, l: int, wave: Amplitude
 ) -> None:
-    """Enter the front of a wave that leaves on line l in a row of the log.
+    """Write a front that leaves on line `l` at `tick` into row `log_row` of the log.
 
-    It becomes the last of the line, chained to the one that was last; the line must
-    have one. If it is the next to arrive, the caller sets `next_row` and `arrival_tick`
-    of the line.
+    `line` is the record of line `l`, and `wave` the wave behind the front, m/s. The
+    front is chained behind the last front of the line, which must have one. If it is
+    the next front to arrive, the caller sets `next_row` and `arrival_tick` of the line.
     """
     front: Front = log[log_row]
     front.tick = tick
@@ -310,10 +316,9 @@ def send(
 
 
 def advance_totals_to(state: State, tick: int) -> None:
-    """Bring gaps and totals of all nodes up to a tick before the next event.
+    """Bring gaps and totals of all nodes up to `tick`, which precedes the next event.
 
-    Status, force and gap rate of each node stay as they are; `solved_tick` becomes the
-    tick.
+    Status, force and gap rate of each node do not change; `solved_tick` becomes `tick`.
     """
     run = state.runs[0]
     for k in range(len(state.nodes)):

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..abilities import has_external_drive
 from ..family import CONTACT_COLUMNS, Columns, family_columns, status_column
-from ..groups import body_velocities, segments_of_groups
+from ..groups import body_velocities, first_segments_of_groups
 from ..row import Array, Row
 from ..states import Stop
 from . import driver
@@ -27,14 +27,17 @@ class ResultColumns(NamedTuple):
     fields: Mapping[tuple[str, int], Array]
     """Columns by field of `records.NodeResult` and node, [member]."""
     is_refused: Array
-    """Whether a member has no clock, so that its numbers mean nothing, [member]."""
+    """Whether a member has no clock, so that its results are meaningless, [member]."""
 
     def of(self, name: str, node: int) -> Array:
         """Results of this name at a node, [member]; nan where a member was refused."""
         return self.masked(self.fields[name, node])
 
     def masked(self, column: Array) -> Array:
-        """A column with nan where a member was refused, [member]."""
+        """The column with nan where a member was refused, [member].
+
+        If no member was refused, it is `column` itself, not a copy.
+        """
         if not self.is_refused.any():
             return column
         return np.where(self.is_refused, math.nan, column)
@@ -43,12 +46,13 @@ class ResultColumns(NamedTuple):
 def members_per_call(row: Row) -> int:
     """Number of members to run in one call, from 1 to `MAX_MEMBERS_PER_CALL`.
 
-    It is such that their values and results take `MAX_BYTES_PER_CALL` at most, but for
-    a single one that takes more.
+    Their values and results take at most `MAX_BYTES_PER_CALL`, unless a single member
+    already takes more.
     """
-    # Values of a member, and about six numbers of results a node
+    # Numbers a member: its values, and about six results a node, of which there are
+    # about two more than segments
     numbers = len(lay_out_family(row).values) + 6 * (len(row.segments) + 2)
-    fitting = MAX_BYTES_PER_CALL // (8 * numbers)
+    fitting = MAX_BYTES_PER_CALL // (8 * numbers)  # 8 bytes a number
     return int(max(1, min(MAX_MEMBERS_PER_CALL, fitting)))
 
 
@@ -60,16 +64,16 @@ def solve_family(
     later_members: int = 0,
     also: Sequence[str] = (),
 ) -> Columns:
-    """Run all members of a family; return columns of their results, [member].
+    """Run all members of a family; return columns of their results, [member], by name.
 
-    They are those of `family.family_columns`, and "dissipated", the energy lost in
-    contacts, which is 0. If `also` names "displacement" or "largest_stress", which need
-    the waves of each member, the columns of both are there, too: see `wave_columns`.
-    Other names in it change nothing. A refused member has nan. The other arguments, and
-    what is raised, are those of `driver.solve_many`.
+    The columns are those of `family.family_columns`, and "dissipated", the energy lost
+    in contacts, which is 0. If `also` names "displacement" or "largest_stress", which
+    need the waves of each member, the columns of both are added, see `wave_columns`.
+    Other names in `also` change nothing. A member without a clock is refused: it has
+    nan. The other arguments, and the errors raised, are those of `driver.solve_many`.
     """
     layout = lay_out_family(row)
-    group_segments = segments_of_groups(row.system, row.spans)
+    group_segments = first_segments_of_groups(row.system, row.spans)
     needs_waves = not WAVE_COLUMNS.isdisjoint(also)
     fields = result_fields(layout, group_segments)
     if needs_waves:
@@ -80,7 +84,7 @@ def solve_family(
     stop_reason = columns["stop_reason", 0]
     is_refused = stop_reason >= Stop.OVERFLOW  # members without a clock
     is_capped = stop_reason == Stop.CAP
-    # No proof holds where something acts from outside, which all members share.
+    # No proof holds if an end is driven, which is so in all members or in none.
     is_proved = columns["is_proved", 0] > 0
     is_final: Array = is_proved & (not has_external_drive(row.system))
     results = ResultColumns(columns, is_refused)
@@ -105,9 +109,10 @@ def result_fields(
 ) -> list[tuple[str, int]]:
     """Fields of `records.NodeResult` that every family needs, each with its node.
 
-    They are three of the run, at node 0, both velocities of each bonded group, and
-    `CONTACT_COLUMNS` at the nodes of contacts. `group_segments` are the first segments
-    of the groups; results of segment s are at node s.
+    They are three results of the run, at node 0, the velocities before and after of
+    each bonded group, and `CONTACT_COLUMNS` at the nodes of the contacts.
+    `group_segments` are the first segments of the groups; results of segment s are at
+    node s.
     """
     fields = [("stop_reason", 0), ("is_proved", 0), ("vibration_energy", 0)]
     for s in group_segments:
@@ -121,12 +126,12 @@ def result_fields(
 def contact_columns(results: ResultColumns, nodes: list[int]) -> dict[str, list[Array]]:
     """Totals of the contacts at these nodes, by each name of `CONTACT_COLUMNS`.
 
-    Each is a list of [member] arrays, one a contact. A refused member has nan, but 0
-    episodes, which are whole numbers.
+    Each is a list of [member] arrays, one a contact. A refused member has nan, except
+    for its number of episodes, which is 0.
     """
     columns: dict[str, list[Array]] = {}
     for name in CONTACT_COLUMNS:
-        if name == "episodes":
+        if name == "episodes":  # whole numbers, for which there is no nan
             columns[name] = [results.fields[name, k] for k in nodes]
         else:
             columns[name] = [results.of(name, k) for k in nodes]
@@ -138,11 +143,12 @@ def body_columns(
 ) -> list[Array]:
     """Velocities of the bodies, m/s, from those of their groups.
 
-    They are a list of [member] arrays, one a body; a wall has its own velocity. `name`
-    is the field of the velocities among the results; `group_segments` are the first
-    segments of the groups. A refused member has nan.
+    The result is a list of [member] arrays, one a body; a wall has its own velocity.
+    `name` is the field of the results that holds the velocities; `group_segments` are
+    the first segments of the groups. A refused member has nan.
     """
-    # `body_velocities` joins these to velocities of walls, which have that shape.
+    # `body_velocities` combines them with velocities of walls, which have the shape of
+    # the family.
     shape = row.system.shape
     group_velocities = [results.fields[name, s].reshape(shape) for s in group_segments]
     columns = []
@@ -158,8 +164,9 @@ def body_columns(
 def wave_fields(segments: int) -> list[tuple[str, int]]:
     """Fields of `records.NodeResult` for stress and displacement, each with its node.
 
-    `segments` is their number in the row. Fields of the run are at node 0, those of
-    segment s at node s; impulses are those of all nodes, from 0 to `segments`.
+    `segments` is the number of segments of the row. Fields of the run are at node 0,
+    fields of segment s at node s. Impulse integrals are those of all nodes, from 0 to
+    `segments`.
     """
     fields = [("end_time", 0), ("frame_velocity", 0)]
     for k in range(segments + 1):
@@ -173,8 +180,10 @@ def wave_fields(segments: int) -> list[tuple[str, int]]:
 def wave_columns(row: Row, results: ResultColumns) -> dict[str, Array]:
     """Displacement of each body, m, and largest stress in each rod, Pa, [member].
 
-    They are those of the whole run, by names such as "displacement.0" and
-    "largest_stress.0", with the number of the body. A wall has no stress.
+    Their names are "displacement.0", "largest_stress.0" and so on, with the number of
+    the body. The displacement is that at the end of the run, the stress the largest
+    during the run. A wall has a displacement, but no column of stress. A refused member
+    has nan.
     """
     columns: dict[str, Array] = {}
     for i, body in enumerate(row.system.bodies):
@@ -191,9 +200,10 @@ def wave_columns(row: Row, results: ResultColumns) -> dict[str, Array]:
 def rod_displacement(row: Row, results: ResultColumns, first: int, last: int) -> Array:
     """Displacement of the centre of mass of a rod in the run, m, [member].
 
-    The rod has the segments `first` to `last`, counted from 1. Newton's law integrated
-    twice: m u = p0 t + integral(J1 - J2) dt in the frame, p0 the momentum at t = 0, J1
-    and J2 the impulses at the left and at the right end. The way of the frame is added.
+    The rod has the segments `first` to `last`, counted from 1. Newton's law is
+    integrated twice: m u = p0 t + integral(J1 - J2) dt in the frame, with p0 the
+    momentum at t = 0, and J1 and J2 the impulses at the left and at the right end. The
+    displacement of the frame is added. A refused member has nan.
     """
     mass: Array | float = 0.0
     momentum: Array | float = 0.0
@@ -204,7 +214,7 @@ def rod_displacement(row: Row, results: ResultColumns, first: int, last: int) ->
     # Segment s lies between the nodes s - 1 and s.
     from_left = results.of("impulse_time_integral", first - 1)
     from_right = results.of("impulse_time_integral", last)
-    gained = from_left - from_right
+    gained = from_left - from_right  # integral of the momentum gained, N s^2
     displacement: Array = (
         results.of("frame_velocity", 0) * time + (momentum * time + gained) / mass
     )
@@ -212,9 +222,10 @@ def rod_displacement(row: Row, results: ResultColumns, first: int, last: int) ->
 
 
 def largest_stress(row: Row, results: ResultColumns, first: int, last: int) -> Array:
-    """Largest absolute stress in a rod, Pa [member]: E/(2 c) times the wave difference.
+    """Largest absolute stress in a rod during the run, Pa, [member].
 
-    The rod has the segments `first` to `last`, counted from 1.
+    In a segment it is E/(2 c) times the largest difference of the two waves. The rod
+    has the segments `first` to `last`, counted from 1. A refused member has nan.
     """
     stresses = []
     for s in range(first, last + 1):

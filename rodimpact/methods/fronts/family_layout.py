@@ -1,6 +1,6 @@
-"""What all members of a family share: their records, and the order of their values.
+"""The records that all members of a family share, and the order of their values.
 
-The page has this as JavaScript.
+The web page has this module as JavaScript.
 """
 
 from typing import Any, NamedTuple
@@ -29,7 +29,7 @@ BOUNDARY_KINDS = {
     "force": BoundaryKind.PUSHED.value,
     "absorbing": BoundaryKind.ENDLESS.value,
 }
-"""What acts on an end, by the name of `Row.boundaries`."""
+"""Kind of a driven or absorbing end, by the kind in its pair of `Row.boundaries`."""
 
 CLOSED_STATUS = {
     Law.PUSH_LEFT: Status.PUSH.value,
@@ -41,27 +41,30 @@ CLOSED_STATUS = {
 
 
 class Profile(NamedTuple):
-    """Where the initial state of a body, or a drive, stands: fields of `Segment`."""
+    """Location of the initial state of a body, or of a drive, among the values.
 
-    segment: int  # first segment of the body, or what lies outside the end
-    offset: int  # index of the first value among the values of a member
-    velocity_count: int
-    strain_count: int
+    All but `segment` become fields of a `Segment`.
+    """
+
+    segment: int  # first segment of the body, or the segment outside the end
+    offset: int  # index of the first velocity among the values of a member
+    velocity_count: int  # number of velocities; for a drive, of its values of any kind
+    strain_count: int  # number of strains
     boundary_kind: int  # `states.BoundaryKind`
 
 
 class FamilyLayout(NamedTuple):
-    """What all members of a family share.
+    """Layout of the records and values that all members of a family share.
 
     Attributes
     ----------
     row : Row
     profiles : list of Profile
     closed_status : list of int
-        Status of each node while its gap is closed, before anything is solved.
+        Status at t = 0 of each node whose gap is closed, [node].
     values : list of float or array
-        Values of the members, in the order that `initial_state` says; those that
-        differ between members are arrays.
+        Values of the members, in the order that `initial_state` states. A value that
+        differs between members is an array.
     contacts : list of int
         Node of each contact.
     initial_piece_count : int
@@ -83,28 +86,30 @@ class FamilyLayout(NamedTuple):
 
 
 def lay_out_family(row: Any) -> FamilyLayout:
-    """The layout of a row, of which the method must lack no physics.
+    """Make the layout of a row, all of whose physics this method must support.
 
     The numbers of initial pieces, durations and fronts at t = 0 are the largest that a
-    member can have: each segment adds to them, each jump of a profile or a drive to the
-    durations and fronts, and that of a profile to the pieces, too.
+    member can have. Each segment is one piece and has one duration. Each jump of an
+    initial state adds a piece and a duration, each jump of a drive a duration only.
+    Fronts are twice the durations, plus one for each of two drives.
     """
     values = values_of(row)
     profiles = append_profiles(row, values)
     initial_pieces = len(row.segments)
     durations = len(row.segments)
     for profile in profiles:
-        # n values in a row have n - 1 jumps between them.
+        # n values have n - 1 jumps between them.
         jumps = profile.velocity_count - 1 + profile.strain_count - 1
         durations += jumps
-        if profile.boundary_kind == BoundaryKind.STEADY:  # it is a body's, no drive
+        if profile.boundary_kind == BoundaryKind.STEADY:  # a body, not a drive
             initial_pieces += jumps
-    contacts: list[int] = []
+    contacts: list[int] = []  # node of each contact
     for i in range(len(row.system.gaps)):
-        last_segment = row.spans[i][1]  # last one of the body on the left; 0: a wall
+        # Last segment of the body on the left of the contact; 0 for a wall
+        last_segment = row.spans[i][1]
         contacts.append(last_segment)  # node k is on the right of segment k
-    # Each piece of the initial state fills two lines. A drive has a front more than
-    # durations, one for its first value; there are two drives at most.
+    # Each initial piece has a duration, and makes a front on two lines. A drive has one
+    # front more than durations; there are at most two drives.
     initial_fronts = 2 * durations + 2
     return FamilyLayout(
         row,
@@ -119,11 +124,11 @@ def lay_out_family(row: Any) -> FamilyLayout:
 
 
 def values_of(row: Any) -> list[Any]:
-    """The values of a row in the order of `initial_state`, up to the gaps.
+    """The values of a row in the order of `initial_state`, without its profiles.
 
-    These are all wave speeds, all impedances and all lengths of the segments, the
-    velocity of the frame, the velocity scale and all gaps, in SI units. In a family a
-    value may be an array. Profiles are still to be appended.
+    They are, in SI units: all wave speeds, all impedances and all lengths of the
+    segments, the velocity of the frame, the velocity scale, and all gaps. In a family a
+    value may be an array. `append_profiles` appends the profiles.
     """
     values: list[Any] = []
     for segment in row.segments:
@@ -139,21 +144,21 @@ def values_of(row: Any) -> list[Any]:
 
 
 def append_profiles(row: Any, values: list[Any]) -> list[Profile]:
-    """Append the profiles of bodies and ends to `values`; return where they stand.
+    """Append the profiles of bodies and ends to `values`; return their locations.
 
-    Those of all bodies come first, from left to right, then those of the ends that are
-    not free. A wall and a fixed end are STEADY, as bodies are, and belong to what lies
-    outside on their side.
+    The profiles of all bodies come first, from left to right, then those of the ends
+    that are not free, first the left one. Bodies, walls and fixed ends have the
+    boundary kind STEADY. A wall or an end belongs to the segment outside on its side.
     """
     system = row.system
-    outside = len(row.segments) + 1
+    outside = len(row.segments) + 1  # segment outside on the right; 0 on the left
     profiles: list[Profile] = []
     for i, body in enumerate(system.bodies):
         first = row.spans[i][0]  # first segment of the body, if it is a rod
         strain = 0.0
         if body.kind == "rod":
             strain = body.strain
-        elif i == 0:  # a wall on the left, which is what lies outside there
+        elif i == 0:  # a wall on the left
             first = 0
         else:  # a wall on the right
             first = outside
@@ -170,19 +175,20 @@ def append_profiles(row: Any, values: list[Any]) -> list[Profile]:
         if end_kind != "fixed":
             boundary_kind = BOUNDARY_KINDS[kind]
         segment = side * outside  # 0 on the left
-        profiles.append(append_profile(values, segment, value, 0.0, boundary_kind))
+        strain = 0.0  # an end has none
+        profiles.append(append_profile(values, segment, value, strain, boundary_kind))
     return profiles
 
 
 def append_profile(
     values: list[Any], segment: int, velocity: Any, strain: Any, boundary_kind: int
 ) -> Profile:
-    """Append a velocity and a strain to `values`; return where they stand.
+    """Append a velocity and a strain to `values`; return their location.
 
     Each is constant or in steps, see `append_steps`. They belong to the body that
-    begins with `segment`, or to what lies outside an end, whose kind is
-    `boundary_kind`. Of a drive, `velocity` is what it gives, which may be a force or a
-    strain.
+    begins with `segment`, or to the end beside `segment`, outside the row, with the
+    kind `boundary_kind`. For a drive, `velocity` is the driven quantity, which may also
+    be a force or a strain.
     """
     offset = len(values)
     velocity_count = append_steps(values, velocity)
@@ -191,9 +197,10 @@ def append_profile(
 
 
 def append_steps(values: list[Any], value: Any) -> int:
-    """Append a constant, or steps and then the places of their jumps, to `values`.
+    """Append a constant, or steps and then the positions of their jumps, to `values`.
 
-    Return the number of steps, 1 for a constant; there is one jump less than steps.
+    Return the number of steps, 1 for a constant. There is one jump less than steps. For
+    a drive the positions are times.
     """
     if isinstance(value, Steps):
         values.extend(value.values)
@@ -204,29 +211,30 @@ def append_steps(values: list[Any], value: Any) -> int:
 
 
 def closed_status_of(row: Any) -> list[int]:
-    """Status of each node, [node], while its gap is closed, before anything is solved.
+    """Status at t = 0 of each node whose gap is closed, [node].
 
-    It follows from the law of the link, see `CLOSED_STATUS`: PUSH, BOND or TOUCH. A
-    free end is FREE.
+    It follows from the law of the link of the node, see `CLOSED_STATUS`: PUSH, BOND or
+    TOUCH. A free end is FREE.
     """
     statuses: list[int] = []
-    # There are no rigid masses, so that each node has one link.
+    # The method has no rigid masses, so that there is one link a node.
     for link in row.links:
         statuses.append(CLOSED_STATUS[link.law])
     for side in range(2):
         kind, _ = row.boundaries[side]
-        if kind == "none":  # its link is a push of 0
-            first_or_last = side * (len(statuses) - 1)  # 0 or the last one
-            statuses[first_or_last] = Status.FREE.value
+        if kind == "none":  # a free end: its link is a push of 0
+            end_node = side * (len(statuses) - 1)  # first or last node
+            statuses[end_node] = Status.FREE.value
     return statuses
 
 
 def make_state(layout: FamilyLayout, log_rows: int, values: list[Any]) -> State:
-    """Records for runs of a layout: all that its members share is set, the rest is 0.
+    """Make the records for runs of a layout; fields that members do not share are 0.
 
-    They are lists of objects, with results for as many members as there are `values`.
-    Set are where profiles stand, closed statuses and contacts of the nodes, and
-    `settles_after_proof` of the run if there is a bond or an endless bar.
+    The records are lists of objects, with results for as many members as there are
+    `values`. These fields are set: the locations of the profiles in the segments, the
+    closed statuses and contacts of the nodes, and `settles_after_proof` of the run,
+    which is 1 if there is a bond or a semi-infinite bar.
 
     Parameters
     ----------
@@ -234,7 +242,7 @@ def make_state(layout: FamilyLayout, log_rows: int, values: list[Any]) -> State:
     log_rows : int
         Rows of the log, in addition to those of the fronts at t = 0.
     values : [member, value]
-        Kept as they are; may be empty.
+        Values of the members; not copied; may be empty.
     """
     n = len(layout.closed_status) - 1  # number of segments
     run = blank(1, RUN)[0]
@@ -251,11 +259,12 @@ def make_state(layout: FamilyLayout, log_rows: int, values: list[Any]) -> State:
     for k, node in enumerate(nodes):
         node.closed_status = layout.closed_status[k]
         node.contact = NONE
-    for i, k in enumerate(layout.contacts):
+    for i, k in enumerate(layout.contacts):  # contact i is at node k
         nodes[k].contact = i
         if layout.closed_status[k] == Status.BOND:
             run.settles_after_proof = 1
     queue = [0 for _ in range(event_queue.size_for(n + 1))]
+    # By position: JavaScript, into which this is translated, has no keywords.
     return State(
         [run],
         values,

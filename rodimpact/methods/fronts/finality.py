@@ -1,10 +1,13 @@
-"""Proof that a collision is final, from bounds of what vibration can do.
+"""Proof that a collision is final, from bounds of the motion of ends by vibration.
 
-It is final when no contact closes again, and each contact that still presses does so
-with a constant force.
-A group of bonded segments beside a contact moves with its mean velocity, and its end
-deviates from that motion by no more than the group's energy allows. The proof is as
-exact as the run: it holds on fractions, too.
+A collision is final when no contact will close again, and each contact that still
+presses does so with a constant force. A group of bonded segments beside a contact moves
+with its mean velocity, and its end deviates from that motion by no more than the
+vibration energy of the group allows. The proof is as exact as the run: it holds on
+fractions, too.
+
+The mobility of a segment is Y = 1/Z, its transit time T, and its waves are a, to the
+right, and b, to the left.
 """
 
 from collections.abc import Sequence
@@ -19,10 +22,11 @@ WAIT_MARGIN = 1.000001  # lengthens a wait, so that the proof succeeds after it
 def finality_tick(state: State, now: int) -> int:
     """Tick at which the collision can be proved final: `now`, a later one, or IDLE.
 
-    `now` means that it is proved. With a later tick, or with IDLE, which stands for
-    never, no proof is possible before that or before a contact changes. For a row with
-    driven ends the answer means nothing, since no bound holds, and `FrontRun` and
-    `solve_family` discard it. Motions of groups are written to the segments.
+    `now` means that it is proved. A later tick means that no proof is possible before
+    that tick, unless a contact changes; IDLE means that none is possible until a
+    contact changes. For a row with driven ends the result is meaningless, since no
+    bound holds; `FrontRun` and `solve_family` discard it. The motions of the groups are
+    written to the segments.
     """
     segments = state.segments
     nodes = state.nodes
@@ -30,30 +34,31 @@ def finality_tick(state: State, now: int) -> int:
     longest_wait = 0.0  # ticks until the last of the contacts is proved to stay open
     for k in range(len(nodes)):
         node = nodes[k]
-        is_contact = node.status >= Status.OPEN  # one that can open
-        # A wait as long as the clock, or inf, decides: the others need no look.
+        is_contact = node.status >= Status.OPEN  # not a bond, and not an end
+        # Once a wait exceeds the clock, or is inf, the other contacts do not matter.
         if is_contact and longest_wait < NEVER:
-            # First and last segment of the two groups beside the contact
+            # First and last segment of the two groups beside the contact. A wall has
+            # the `group_last` 0; then k is the last segment.
             first = segments[k].group_first
-            last = max(k, segments[k + 1].group_last)  # outside, `group_last` is 0
-            # Nothing changes any more, and the gap does not close.
+            last = max(k, segments[k + 1].group_last)
+            # If no front is in flight, the gap rate stays as it is for ever.
             is_steady = node.gap_rate >= 0 and no_front_in_flight(lines, first, last)
             if not is_steady:
                 longest_wait = max(longest_wait, ticks_until_apart(state, k, now))
-    if longest_wait >= NEVER // 2:  # beyond what the clock counts, or infinite
+    if longest_wait >= NEVER // 2:  # now + wait could exceed the clock; or inf
         return IDLE
     wait = 0
     if longest_wait > 0:
-        wait = int(longest_wait * WAIT_MARGIN) + 1
+        wait = int(longest_wait * WAIT_MARGIN) + 1  # rounded up
     return now + wait
 
 
 def no_front_in_flight(lines: Sequence[Line], first: int, last: int) -> bool:
-    """Whether no front is in flight in the segments from `first` to `last`.
+    """Whether no front is in flight on either line of the segments `first` to `last`.
 
-    Both their lines count. Without such segments (`last` below `first`) it is True.
+    It is True if `last` is below `first`.
     """
-    # Kernels have no generators.
+    # Kernels have no generators, hence a loop. Segment s has the lines 2 s and 2 s + 1.
     for l in range(2 * first, 2 * last + 2):  # noqa: SIM110
         if lines[l].next_row != NONE:
             return False
@@ -63,11 +68,11 @@ def no_front_in_flight(lines: Sequence[Line], first: int, last: int) -> bool:
 def least_opening_velocity(
     left: Segment, right: Segment, tolerance: Amplitude
 ) -> Amplitude:
-    """Least velocity at which two ends can part, m/s; negative if they can approach.
+    """Lower bound of the opening velocity of two ends, m/s; < 0 if they may approach.
 
-    It follows from the bounds that `find_mean_motions` has set. If one of the ends has
-    none, -1 - `tolerance` is returned, which decides nothing, as it is below
-    -`tolerance`: fractions have no infinity.
+    It follows from the bounds of the velocities of both ends, which `find_mean_motions`
+    has set. If one end has no bounds, -1 - `tolerance` is returned in place of minus
+    infinity, which fractions lack: any value below -`tolerance` proves nothing.
     """
     if left.is_end_velocity_bounded and right.is_end_velocity_bounded:
         return right.min_end_velocity - left.max_end_velocity
@@ -75,10 +80,11 @@ def least_opening_velocity(
 
 
 def ticks_until_apart(state: State, k: int, now: int) -> float:
-    """Ticks until contact k may be proved not to close again, see `finality_kernel`.
+    """Ticks until contact k can be proved not to close again, see `finality_kernel`.
 
-    It is 0 if it may be proved `now`, inf if its mean gap never opens. Segments k and
-    k + 1, beside the contact, get the motions of their groups.
+    The result is 0 if that is proved at the tick `now`, and inf if the mean motions do
+    not open the gap. Segments k and k + 1, beside the contact, get the motions of their
+    groups: mean velocities with bounds and, if these prove nothing, deviations.
     """
     tolerance = state.runs[0].velocity_tolerance
     left = state.segments[k]
@@ -87,13 +93,14 @@ def ticks_until_apart(state: State, k: int, now: int) -> float:
     opening = right.mean_velocity - left.mean_velocity
     least_opening = least_opening_velocity(left, right, tolerance)
     if proof.undecided(opening, least_opening, tolerance):
-        # The velocities alone decide nothing: deviations and their bounds count, which
-        # `separation_time` reads in this case only.
+        # Velocities alone prove nothing. `separation_time` uses deviations and their
+        # bounds in this case only; in other cases they may be those of an earlier call.
         bound_deviations(state, k, now)
     node = state.nodes[k]
     gap = node.gap + node.gap_rate * (now - node.solved_tick)
     mean_gap = gap - right.end_deviation + left.end_deviation
-    # (b1 + b2)^2 <= 2 (b1^2 + b2^2): no square root, so that it works on fractions
+    # Square of the sum of both bounds, (b1 + b2)^2 <= 2 (b1^2 + b2^2), without the
+    # square roots that fractions lack
     bounds_squared = 2 * (left.deviation_bound_squared + right.deviation_bound_squared)
     return proof.separation_time(
         opening, least_opening, mean_gap, bounds_squared, tolerance
@@ -104,13 +111,14 @@ def ticks_until_apart(state: State, k: int, now: int) -> float:
 
 
 def find_mean_motions(state: State, k: int, now: int) -> None:
-    """Set mean velocities beside contact k, and bounds of the velocities of its ends.
+    """Set the mean velocities of both sides of contact k, and bounds of their ends.
 
-    They are stored in the segments k and k + 1, `is_end_velocity_bounded` 1 or 0 with
-    them. The bounds hold as long as nothing touches the group, if it is a uniform free
-    segment (its waves go round unchanged), a semi-infinite bar, a wall, or a group at
-    rest. The mean velocity of a group bonded to a wall or to a semi-infinite bar is the
-    velocity that it finally takes.
+    They are stored in the segments k and k + 1: `mean_velocity`, `min_end_velocity`,
+    `max_end_velocity`, and `is_end_velocity_bounded`, which is 1 if the bounds hold as
+    long as nothing touches the group. That is so for a uniform free segment (its waves
+    go round unchanged), a semi-infinite bar, a wall, and a group with steady waves. The
+    mean velocity of a group bonded to a wall or to a semi-infinite bar is its final
+    velocity.
     """
     for side in range(2):
         s = k + side
@@ -118,7 +126,8 @@ def find_mean_motions(state: State, k: int, now: int) -> None:
         if segment.group_last > 0:  # inside the row
             find_mean_motion(state, k, s, now)
         else:
-            # The line that arrives at node k from this side: the wave of a wall
+            # Line 2 k + 3 side arrives at node k from this side. From a wall it brings
+            # the velocity of the wall.
             wall_velocity = state.lines[2 * k + 3 * side].incoming_wave
             segment.mean_velocity = wall_velocity
             segment.min_end_velocity = wall_velocity
@@ -129,10 +138,12 @@ def find_mean_motions(state: State, k: int, now: int) -> None:
 def find_mean_motion(state: State, k: int, s: int, now: int) -> None:
     """Set mean velocity and velocity bounds of the group of segment s, in segment s.
 
-    The group is on one side of contact k. Its waves give both, see `measure_waves`. But
-    the mean velocity of a group bonded to the outside is the wave that arrives from
-    there; with a wall there is then no bound. If the waves are steady, both bounds are
-    the mean velocity, unless a semi-infinite bar holds a group that is pressed.
+    The group, inside the row, is on one side of contact k. Mean velocity and bounds
+    follow from its waves, see `measure_waves`, with two exceptions. The mean velocity
+    of a group that is bonded to the outside is the wave that arrives from there; if
+    that is a wall, there are no bounds. If the waves in the group are steady, both
+    bounds are the mean velocity, unless the contact presses a group that is bonded to a
+    semi-infinite bar.
     """
     segments = state.segments
     nodes = state.nodes
@@ -143,24 +154,24 @@ def find_mean_motion(state: State, k: int, s: int, now: int) -> None:
     last = group.group_last
     is_steady = no_front_in_flight(lines, first, last)
     is_pressing = nodes[k].status == Status.PRESS
-    # What the group is bonded to outside:
-    # on one side at most, as the contact is on the other
-    is_semi_infinite = False
+    # A bond at an end of the group is a bond to the outside of the row. There is one at
+    # most, since the contact is at the other end.
+    is_semi_infinite = False  # whether the group is bonded to a semi-infinite bar
     for side in range(2):
         if side == 0:
             end_node = first - 1
         else:
             end_node = last
-        # The line that arrives at this node from outside of the group
+        # The wave that arrives at this node from beyond the group
         outside_wave = lines[2 * end_node + 3 * side].incoming_wave
         outside_mobility = segments[end_node + side].mobility
         if nodes[end_node].status == Status.BOND:
             group.mean_velocity = outside_wave
             is_semi_infinite = outside_mobility > 0
-            if not is_semi_infinite:  # a wall, which turns waves round
+            if not is_semi_infinite:  # a wall of velocity V turns a wave w into 2 V - w
                 group.is_end_velocity_bounded = 0
-    # Steady waves are all the mean velocity;
-    # but a semi-infinite bar gives way while it is pressed.
+    # If the waves are steady, the ends have the mean velocity. But a group at a
+    # semi-infinite bar moves on while it is pressed.
     if is_steady and not (is_semi_infinite and is_pressing):
         group.min_end_velocity = group.mean_velocity
         group.max_end_velocity = group.mean_velocity
@@ -171,9 +182,11 @@ def measure_waves(state: State, s: int, now: int) -> None:
     """Set mean velocity and velocity bounds of the group of segment s, in segment s.
 
     The velocity is (a + b)/2. So the mean velocity, momentum over mass, is the sum of
-    (1/Y) integral(a + b) over the sum of 2 T/Y. The bounds are those of all its waves:
-    a free end has the velocity of the wave that arrives there. They hold, and
-    `is_end_velocity_bounded` becomes 1, if the group is a single segment; else 0.
+    (1/Y) integral(a + b) dt over the segments, divided by the sum of 2 T/Y, with the
+    mobility Y and the transit time T. The bounds are the smallest and the largest wave,
+    as a free end has the velocity of the wave that arrives there. For a single segment
+    they hold for all times, and `is_end_velocity_bounded` becomes 1; for more segments
+    it becomes 0.
     """
     segments = state.segments
     lines = state.lines
@@ -181,7 +194,8 @@ def measure_waves(state: State, s: int, now: int) -> None:
     group = segments[s]
     first = group.group_first
     last = group.group_last
-    # Both are summed over either wave, a and b: that is twice mass and momentum.
+    # Sums over both waves, a and b, give twice the momentum, and so are divided by
+    # twice the mass.
     twice_mass = 0 * lines[2 * first].incoming_wave  # 0 of the same kind of number
     twice_momentum = twice_mass  # 0, too
     lowest = lines[2 * first].incoming_wave
@@ -194,13 +208,14 @@ def measure_waves(state: State, s: int, now: int) -> None:
             # From the end where the waves arrive, back to the end where they are sent
             r = lines[l].next_row
             wave = lines[l].incoming_wave
-            # Ticks since this wave was first sent: those of a transit count.
+            # This wave was sent from `first_sent_ago` ticks ago, at most a transit, to
+            # `last_sent_ago` ticks ago, when the front behind it was sent.
             first_sent_ago = transit
             lowest = min(lowest, wave)
             highest = max(highest, wave)
             while r != NONE:
                 front = log[r]
-                last_sent_ago = now - front.tick  # up to the front behind it
+                last_sent_ago = now - front.tick
                 twice_momentum += impedance * wave * (first_sent_ago - last_sent_ago)
                 # The next wave is the one behind the front.
                 first_sent_ago = last_sent_ago
@@ -208,7 +223,7 @@ def measure_waves(state: State, s: int, now: int) -> None:
                 lowest = min(lowest, wave)
                 highest = max(highest, wave)
                 r = front.next_row
-            # The last wave is still sent.
+            # The last wave is still being sent: it was last sent 0 ticks ago.
             twice_momentum += impedance * wave * first_sent_ago
     group.mean_velocity = twice_momentum / twice_mass
     group.min_end_velocity = lowest
@@ -225,13 +240,17 @@ def bound_deviations(state: State, k: int, now: int) -> None:
     """Set the deviations of the two ends at contact k, and their bounds.
 
     The end of a free body deviates from the motion of its centre of mass by
-    d = integral(strain * g dx), g the mass fraction beyond x as seen from that end,
-    hence by at most sqrt(2 U integral(g^2 dx/(E A))), U the vibration energy.
-    A group bonded to a wall at its far end has g = 1. A semi-infinite bar of mobility Y
-    at the far end gives way by Y p, p the momentum that it has taken; as
-    p <= sqrt(2 m U), m Y^2 is added to the integral, the `compliance_integral`. The
-    results are stored in the segments k and k + 1, where `find_mean_motions` has stored
-    the mean velocities. A side outside the row has 0.
+    d = integral(strain * g dx), where g is the fraction of the mass that lies beyond x
+    as seen from that end. So abs(d) <= sqrt(2 U integral(g^2 dx/(E A))), with the
+    vibration energy U.
+
+    For a group whose far end is bonded to a wall, g = 1. A semi-infinite bar of
+    mobility Y at the far end yields by Y p, with p the momentum that it has taken up.
+    As p <= sqrt(2 m U), m Y^2 is then added to the integral.
+
+    Segments k and k + 1 get the results: `end_deviation`, `deviation_bound_squared` and
+    `compliance_integral`, all 0 for a segment outside the row. `find_mean_motions` must
+    have set their mean velocities.
     """
     for s in range(k, k + 2):
         segment = state.segments[s]
@@ -246,10 +265,11 @@ def bound_deviations(state: State, k: int, now: int) -> None:
 def bound_deviation(state: State, k: int, s: int, now: int) -> None:
     """Set deviation and bound of the end at contact k of the group of segment s.
 
-    They are stored in segment s, and are 0 before: see `bound_deviations` for their
-    equations and g. The deviation is in m/s times ticks, positive to the right. Where
-    no front is in flight it does not change, and the bound stays 0, unless a
-    semi-infinite bar holds a group that is pressed.
+    `bound_deviations` gives the equations, defines g, and sets the results to 0 before.
+    They are stored in segment s. The deviation is in m/s times ticks, positive to the
+    right. The bound and `compliance_integral` stay 0 if no front is in flight in the
+    group, as the deviation is then constant, unless the contact presses a group that is
+    bonded to a semi-infinite bar.
     """
     segments = state.segments
     log = state.log
@@ -261,49 +281,53 @@ def bound_deviation(state: State, k: int, s: int, now: int) -> None:
     mass = group_mass(segments, first, last, zero)
     has_left_bond = state.nodes[first - 1].status == Status.BOND
     is_anchored = has_left_bond or state.nodes[last].status == Status.BOND
-    far_mobility = zero  # Y of what holds the far end; 0 of a wall
-    g1 = zero  # g at the near end of the segments so far
+    far_mobility = zero  # Y of the bar that holds the far end; 0 for a wall
+    g1 = zero  # g at the near end of the segments so far; 0 at a free far end
     if is_anchored:
         far_mobility += far_outside(segments, is_right).mobility
         g1 = 1 + zero  # g = 1 all over
 
     stretching = zero  # integral(strain g dx)
-    energy = zero  # of vibration, U
-    momentum = zero  # p of the waves, about the mean motion
-    # integral(g^2 dx/(E A)), with m Y^2 of a semi-infinite bar
+    energy = zero  # vibration energy U
+    momentum = zero  # momentum p of the waves, relative to the mean motion
+    # integral(g^2 dx/(E A)), plus m Y^2 for a semi-infinite bar
     compliance = mass * far_mobility * far_mobility
-    for place in range(last - first + 1):  # from the far end to the contact
-        i = from_far_end(first, last, place, is_right)  # segment
+    for steps in range(last - first + 1):  # from the far end to the contact
+        i = from_far_end(first, last, steps, is_right)  # index of the segment
         transit = segments[i].transit
         mobility = segments[i].mobility
         g0 = g1  # g at the far end of this segment
         if not is_anchored:
+            # g grows by the mass of the segment, T/Y, over that of the group.
             g1 = g0 + transit / (mobility * mass)
-        # Part of the segment in the integral of g^2, with dx/(E A) = Y dt
+        # Integral of g^2 over the segment, with g linear and dx/(E A) = Y dt
         compliance += mobility * transit * (g0 * g0 + g0 * g1 + g1 * g1) / 3
         for l in range(2 * i, 2 * i + 2):
-            is_leftward = l % 2 == 1  # it carries b, not a
-            sign = 1 if is_leftward else -1  # of the strain (b - a)/(2 c)
-            # b runs to a contact on the left of the group, a to one on the right.
+            is_leftward = l % 2 == 1  # the line carries b, not a
+            sign = 1 if is_leftward else -1  # sign of the wave in (b - a)/(2 c)
+            # b travels to a contact on the left of the group, a to one on the right.
             runs_to_contact = is_leftward == is_right
             line = state.lines[l]
             # From the end where the waves arrive, back to the end where they are sent
             r = line.next_row
             wave = line.incoming_wave - group.mean_velocity
-            # Ticks since this wave was first sent: those of a transit count.
+            # This wave was sent from `first_sent_ago` ticks ago, at most a transit, to
+            # `last_sent_ago` ticks ago, when the front behind it was sent.
             first_sent_ago = transit
-            is_last = False  # whether this wave is the one that is sent now
+            is_last = False  # whether this wave is still being sent
             while not is_last:
                 is_last = r == NONE
                 last_sent_ago = 0
-                if not is_last:  # up to the front behind it
+                if not is_last:
                     last_sent_ago = now - log[r].tick
                 width = first_sent_ago - last_sent_ago
-                # A wave w has the energy w^2 width/(4 Y), the momentum w width/(2 Y),
-                # and the part +/- w width g/2 in integral(strain g dx).
+                # A wave w has the energy w^2 width/(4 Y) and the momentum
+                # w width/(2 Y). It adds +/- w width g/2 to integral(strain g dx), with
+                # g at its middle.
                 energy += wave * wave * width / (4 * mobility)
                 momentum += wave * width / (2 * mobility)
-                # Part of the segment that the middle of this wave has covered
+                # Fraction of the segment that the middle of this wave has covered:
+                # (first_sent_ago + last_sent_ago)/2 ticks of the transit
                 covered = (first_sent_ago + last_sent_ago) / (2 * transit)
                 g = fraction_at(covered, g0, g1, runs_to_contact)
                 stretching += sign * wave * width * g / 2
@@ -315,7 +339,8 @@ def bound_deviation(state: State, k: int, s: int, now: int) -> None:
     deviation = stretching
     if is_right:  # its left end is at the contact
         deviation = -stretching
-    # A semi-infinite bar gives way by Y p.
+    # Until the momentum p is used up, a semi-infinite bar yields by Y p: the end has
+    # this distance still to go.
     group.end_deviation = deviation - far_mobility * momentum
     is_steady = no_front_in_flight(state.lines, first, last)
     is_pressing = state.nodes[k].status == Status.PRESS
@@ -327,10 +352,10 @@ def bound_deviation(state: State, k: int, s: int, now: int) -> None:
 def group_mass(
     segments: Sequence[Segment], first: int, last: int, zero: Amplitude
 ) -> Amplitude:
-    """Mass of the segments from `first` to `last`, kg over the duration of a tick.
+    """Mass of the segments `first` to `last`, kg divided by the duration of a tick.
 
-    Each segment adds T/Y, transit time over mobility, to `zero`, which is 0 of the kind
-    of number that is used.
+    Each segment adds its transit time T, in ticks, over its mobility Y. `zero` is 0 of
+    the kind of number that the run uses.
     """
     mass = zero
     for s in range(first, last + 1):
@@ -339,9 +364,10 @@ def group_mass(
 
 
 def from_far_end(first: int, last: int, i: int, is_right: bool) -> int:
-    """Segment i of a group, counted from the end that is far from a contact.
+    """Index of the segment that is `i` segments from the end far from a contact.
 
-    `is_right` says whether the group is right of the contact.
+    The group has the segments `first` to `last`. If `is_right`, it is right of the
+    contact, and the far end is its right end; otherwise the far end is its left end.
     """
     if is_right:
         return last - i
@@ -351,11 +377,11 @@ def from_far_end(first: int, last: int, i: int, is_right: bool) -> int:
 def fraction_at(
     covered: Amplitude, g0: Amplitude, g1: Amplitude, runs_to_contact: bool
 ) -> Amplitude:
-    """Mass fraction g at the place that a wave has reached in a segment.
+    """Mass fraction g at the point that a wave has reached in a segment.
 
-    The wave has covered the part `covered`, from 0 to 1, of the segment, to the contact
-    or away from it. g goes linearly from g0 at the end of the segment that is far from
-    the contact to g1 at the other.
+    The wave has covered the fraction `covered`, from 0 to 1, of the segment, towards
+    the contact or away from it. g is linear in the segment: g0 at the end far from the
+    contact, g1 at the near end.
     """
     if runs_to_contact:
         return g0 + (g1 - g0) * covered
@@ -363,10 +389,10 @@ def fraction_at(
 
 
 def far_outside(segments: Sequence[Segment], is_right: bool) -> Segment:
-    """Segment that stands for what lies outside one end of the row.
+    """The segment outside the row at the end that is far from a contact.
 
-    `is_right` says whether it is the right end, as it is for a group right of its
-    contact: the end that is far from the contact.
+    If the group is right of the contact (`is_right`), this is the last one of
+    `segments`; otherwise it is the first.
     """
     far = 0
     if is_right:

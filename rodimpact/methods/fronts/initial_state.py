@@ -4,12 +4,12 @@ The values of a member stand in this order, for n segments:
 
     wave speed [n], impedance [n], length [n],
     velocity of the frame, velocity scale, gap [contact],
-    and for each body, and for what drives an end, from `Segment.profile_offset` on
-        velocities, the places where they jump, strains, the places where these jump.
+    and for each body and each drive of an end, from `Segment.profile_offset` on,
+        velocities, positions of their jumps, strains, positions of their jumps.
 
-Places are m from the left end of a body. For what drives an end they are times, s. All
-durations follow the tick rule. The initial state is the history of the waves over one
-transit before t = 0.
+Positions are in m from the left end of the body. For a drive they are times, s, and its
+values (velocities, forces or strains) replace the velocities. All durations follow the
+tick rule. The initial state is the history of the waves over one transit before t = 0.
 """
 
 import math
@@ -42,8 +42,8 @@ TRANSIT_RTOL = 2.0**-48  # a smaller relative change of a transit time is round-
 ROUND_OFF_WINDOW_BITS = 40
 """Times that differ by 2^-40 longest transits or less differ by round-off.
 
-A closing so near to an arrival is moved to that arrival: otherwise round-off between
-both makes waves one tick wide, which multiply.
+If a gap closes so shortly before an arrival, the closing is moved to the arrival.
+Otherwise the round-off between both times makes waves one tick wide, which multiply.
 """
 MIN_TRANSIT_WINDOWS = 4  # a transit must exceed so many round-off windows
 
@@ -92,10 +92,11 @@ def line_inward(n: int, side: int) -> int:
 def choose_clock(state: State, values: Values) -> None:
     """Set the frame, the clock and the tolerances of a member from its values.
 
-    Transit and mobility of its segments and the pieces of its initial state are set,
-    too. The clock counts transit times, times to jumps of the initial state, and times
-    at which drives jump. If all equal those of the previous member, its ticks are kept.
-    `Run.stop_reason` becomes NONE, or says why there is no clock.
+    Transit and mobility of the segments, all durations and the pieces of the initial
+    state are set, too. The clock counts transit times, times to jumps of the initial
+    state, and times at which drives jump. If all of them equal those of the previous
+    member, its ticks are kept. `Run.stop_reason` becomes NONE; if the member has no
+    clock, it becomes OVERFLOW, LONG or SHORT, see `find_clock_fault`.
     """
     run = state.runs[0]
     durations = state.durations
@@ -104,23 +105,25 @@ def choose_clock(state: State, values: Values) -> None:
     run.proved_tick = NONE
     run.frame_velocity = values[frame_index(n)]
     run.velocity_scale = values[scale_index(n)]
-    jump_end = split_at_jumps(state, values)  # durations that are set so far
+    segment_durations = split_at_jumps(state, values)  # number of durations set here
     run.longest_transit_time = 0.0
     for s in range(1, n + 1):
         run.longest_transit_time = max(run.longest_transit_time, durations[s - 1].time)
-    # As the values are last used outside of any condition, they count no references.
+    # This call is unconditional for speed only: machine code counts references to an
+    # array, as `values`, whose last use is behind a condition.
     run.horizon = default_horizon(state, values)
     if run.until >= 0:
         run.horizon = run.until
-    # Base-2 logarithm of the longest transit in ticks; below `MIN_TRANSIT_BITS` if no
-    # clock counts the run, which `find_clock_fault` then tells
+    # Base-2 logarithm of the longest transit in ticks. If the run is too long for a
+    # clock it is below `MIN_TRANSIT_BITS`, and `find_clock_fault` returns LONG.
     bits = rule.clock_bits(run.horizon / run.longest_transit_time)
     set_drive_times(run, values, durations, segments)
-    for i in range(jump_end, len(durations) - run.drive_jump_count):
-        # This member has fewer jumps inside its segments than the family at most.
+    # Entries between those of the segments and of the drives are unused: other members
+    # of the family have more jumps. This time is a duration already.
+    for i in range(segment_durations, len(durations) - run.drive_jump_count):
         durations[i].time = run.longest_transit_time
     longest_bits = max(bits, rule.MIN_TRANSIT_BITS)
-    # This also keeps the durations for the next member.
+    # `same_durations` comes first: it also stores the durations for the next member.
     is_unchanged = same_durations(durations) and run.longest_bits == longest_bits
     run.longest_bits = longest_bits
     if not is_unchanged:
@@ -135,14 +138,13 @@ def choose_clock(state: State, values: Values) -> None:
 
 
 def split_at_jumps(state: State, values: Values) -> int:
-    """Split the segments into pieces where a profile jumps; return their number.
+    """Split the segments into pieces where a profile jumps; return the piece count.
 
-    It is also the number of durations that are set: a piece begins with its segment,
-    whose transit time is a duration, or at a jump, whose time from the left end of the
-    segment is one. Durations begin with the n transit times; that up to the jump at
-    which piece i begins, in segment s, has the index n + i - s. Velocity and strain of
-    each piece, and `first_piece` of each segment, are set, too; i counts the pieces of
-    all segments.
+    Each piece sets one duration, so that the same number of durations is set. The first
+    piece of segment s sets the transit time of the segment: duration s - 1. Any other
+    piece begins at a jump, and sets the time that a wave takes from the left end of the
+    segment to this jump: duration n + i - s for piece i, counted over all segments.
+    Velocity and strain of each piece, and `first_piece` of each segment, are set, too.
     """
     durations = state.durations
     pieces = state.initial_pieces
@@ -150,8 +152,8 @@ def split_at_jumps(state: State, values: Values) -> int:
     n = len(segments) - 2
     body = segments[1]  # first segment of the present body
     piece_count = 0
-    i = 0  # index of the present velocity of the body
-    j = 0  # index of its present strain
+    i = 0  # index of the present velocity among those of the body
+    j = 0  # index of the present strain
     left = 0.0  # left end of the segment, m from the left end of the body
     for s in range(1, n + 1):
         if segments[s].velocity_count > 0:  # a body begins
@@ -159,8 +161,8 @@ def split_at_jumps(state: State, values: Values) -> int:
             i = 0
             j = 0
             left = 0.0
-        # Where the four lists of the body begin among the values; there is one jump
-        # less than values
+        # Indices at which the four lists of the body begin among the values. There is
+        # one jump less than velocities or strains.
         velocities = body.profile_offset
         velocity_jumps = velocities + body.velocity_count
         strains = velocity_jumps + body.velocity_count - 1
@@ -184,8 +186,8 @@ def split_at_jumps(state: State, values: Values) -> int:
             pieces[piece_count].strain = values[strains + j]
             if x > left:
                 time_to_jump = (x - left) / length * transit_time
-                # Behind n transit times. Of the pieces before, those that begin a
-                # segment, s so far, begin at no jump.
+                # The n transit times come first. Of the `piece_count` pieces before
+                # this one, s are the first of a segment, and begin at no jump.
                 jump_index = n + piece_count - s
                 durations[jump_index].time = time_to_jump
             piece_count += 1
@@ -205,28 +207,34 @@ def split_at_jumps(state: State, values: Values) -> int:
 def default_horizon(state: State, values: Values) -> float:
     """Time that the clock of a run without a given end must be able to count, s.
 
-    It follows by `tick_rule.default_horizon` from the longest transit, the time to
-    cross the row, and the time to cross all gaps, 0 if nothing moves. The transit times
-    are set before. With a given end the result means nothing. Nothing is changed.
+    `tick_rule.default_horizon` computes it from the longest transit time, the time of a
+    wave through the whole row, and the time to cross all gaps at the velocity scale (0
+    if that is 0). The transit times must be set. If an end is given (`until` >= 0), the
+    result is meaningless. Nothing is changed.
     """
     run = state.runs[0]
     n = len(state.nodes) - 1
-    crossing_time = 0.0  # time to cross the whole row
-    for i in range(n):  # transit times come first among the durations
+    crossing_time = 0.0  # time of a wave through the whole row
+    for i in range(n):  # the first n durations are the transit times
         crossing_time += state.durations[i].time
     flight_time = 0.0  # time to cross all gaps at the velocity scale
     for node in state.nodes:
         if node.contact != NONE and run.velocity_scale > 0:
             flight_time += values[gap_index(n, node.contact)] / run.velocity_scale
     longest = run.longest_transit_time
-    share = -run.until  # where no end is given, `until` holds this share, negative
+    # Without a given end, `until` is minus the share of `tick_rule.HORIZON` transits.
+    share = -run.until
     return rule.default_horizon(longest, crossing_time, flight_time, share)
 
 
 def drive_jumps(outside: Segment) -> int:
-    """Number of jumps of what drives an end; 0 for what is steady."""
+    """Number of jumps of the drive of an end; 0 for a wall or an end without a drive.
+
+    `outside` is the segment that stands for what lies outside this end.
+    """
     if outside.boundary_kind == BoundaryKind.STEADY:
         return 0
+    # Between the values of a drive there is one jump less than values.
     return int(outside.velocity_count - 1)
 
 
@@ -238,17 +246,18 @@ def set_drive_times(
 ) -> None:
     """Set the last durations: the times at which drives jump, s, left end first.
 
-    A jump after the end of the run, which is given where anything drives an end, gets
-    the longest transit time: that is there already, and so changes no clock.
-    `drive_jump_count` of the run is set, too.
+    A run with drives always has a given end. A jump after that end gets the longest
+    transit time instead of its own: this is a duration already, so that such a jump
+    does not affect the clock. `drive_jump_count` of the run is set, too.
     """
-    last = len(segments) - 1  # like segment 0, it stands for what lies outside
+    last = len(segments) - 1  # segments 0 and `last` lie outside the row
     run.drive_jump_count = drive_jumps(segments[0]) + drive_jumps(segments[last])
     i = len(durations) - run.drive_jump_count
     for side in range(2):
         outside = segments[side * last]
         for j in range(drive_jumps(outside)):
-            # Times of jumps stand behind the values.
+            # The times of the jumps follow the values of the drive, of which
+            # `velocity_count` is the number.
             time = values[outside.profile_offset + outside.velocity_count + j]
             if time > run.until:
                 time = run.longest_transit_time
@@ -257,13 +266,13 @@ def set_drive_times(
 
 
 def same_durations(durations: Sequence[CachedDuration]) -> bool:
-    """Whether all durations equal those of the previous member, whose ticks then hold.
+    """Whether all durations equal those of the previous member, so that its ticks hold.
 
-    Neighbours in a family often share lengths. For the next member, `cached_time` of
-    each duration becomes its `time`.
+    This is common: neighbours in a family often share lengths. `cached_time` of every
+    duration becomes its `time`, for the comparison with the next member.
     """
     same = True
-    for duration in durations:
+    for duration in durations:  # to the last one, as each is stored
         same = same and duration.cached_time == duration.time
         duration.cached_time = duration.time
     return same
@@ -277,23 +286,23 @@ def set_transits(
 ) -> None:
     """Set transit and mobility of the segments, and `shortest_segment` of the run.
 
-    Transits are the ticks of the first n durations. With `perturb_rounding` a transit
-    that was rounded by more than `TRANSIT_RTOL` gets the next tick on the other side of
-    the exact one.
+    Transits are the ticks of the first n durations. If `perturb_rounding` of the run is
+    1, a transit that was rounded by more than `TRANSIT_RTOL` is rounded the other way:
+    one that was rounded up becomes a tick shorter, one rounded down a tick longer.
     """
     n = len(segments) - 2
     run.shortest_segment = 1
     for s in range(1, n + 1):
         segment = segments[s]
-        impedance_index = n + s - 1  # n wave speeds come first
+        impedance_index = n + s - 1  # the impedances follow n wave speeds
         segment.mobility = 1 / values[impedance_index]
         segment.transit = durations[s - 1].ticks
         if run.perturb_rounding:
             # Relative change of the transit time by its rounding
             change = segment.transit * run.tick_duration / durations[s - 1].time - 1
-            if change > TRANSIT_RTOL:
+            if change > TRANSIT_RTOL:  # rounded up
                 segment.transit -= 1
-            elif change < -TRANSIT_RTOL:
+            elif change < -TRANSIT_RTOL:  # rounded down
                 segment.transit += 1
         if segment.transit < segments[run.shortest_segment].transit:
             run.shortest_segment = s
@@ -304,20 +313,21 @@ def find_clock_fault(
 ) -> int:
     """Why a member has no clock, as `states.Stop`; Stop.NONE if it has one.
 
-    In this order: energies would overflow (OVERFLOW), the run is too long (LONG:
-    `bits`, the base-2 logarithm of the longest transit in ticks, are too few), or the
-    shortest transit is too short beside the round-off window (SHORT).
+    The reasons are checked in this order. OVERFLOW: energies could exceed the largest
+    float. LONG: the run is too long, so that `bits`, the base-2 logarithm of the
+    longest transit in ticks, is below `MIN_TRANSIT_BITS`. SHORT: the shortest transit
+    is at most `MIN_TRANSIT_WINDOWS` round-off windows.
     """
     n = len(segments) - 2
     max_impedance = 0.0
     for s in range(n):
-        impedance = values[n + s]  # impedances stand behind n wave speeds
+        impedance = values[n + s]  # the impedances follow n wave speeds
         max_impedance = max(max_impedance, impedance)
-    # Energies are Z v^2 times ticks, up to the last tick of the clock.
+    # Energies are Z v^2 times ticks, with fewer than 2^CLOCK_BITS ticks.
     max_energy = (
         run.velocity_scale * run.velocity_scale * max_impedance * 2.0**rule.CLOCK_BITS
     )
-    if not max_energy < math.inf:  # infinite, or not a number
+    if not max_energy < math.inf:  # `not <` is true for nan, too
         return Stop.OVERFLOW.value
     if bits < rule.MIN_TRANSIT_BITS:
         return Stop.LONG.value
@@ -333,29 +343,32 @@ def find_clock_fault(
 def initialise_member(state: State, values: Values) -> None:
     """Set the gaps, the end of the run, and the fronts that fill the row at t = 0.
 
-    What lies outside gets its mobility (0, or that of an endless bar) and the wave that
-    it sends, or the fronts of what drives the end. `choose_clock` comes before, and the
-    log must be long enough; its first `initial_rows` rows are set. `events.start` puts
-    them on the lines.
+    Both segments outside the row get their mobility: that of the outermost segment for
+    a semi-infinite bar, else 0. The line from a wall or a fixed end gets its constant
+    wave; for a driven end, the fronts of the drive are appended to the log. The first
+    `initial_rows` rows of the log are set, which must be long enough. `choose_clock`
+    comes before, and afterwards `events.start` puts the fronts on the lines.
     """
     run = state.runs[0]
     segments = state.segments
     n = len(segments) - 2
     for node in state.nodes:
         node.gap = 0.0
-        if node.contact != NONE:
+        if node.contact != NONE:  # gaps are in velocity times ticks
             node.gap = values[gap_index(n, node.contact)] / run.tick_duration
     set_end(run, segments)
     run.log_rows = 0
     for s in range(1, n + 1):
         append_initial_fronts(state, s, values[s - 1])  # wave speeds come first
+    # Index of the next drive jump among the durations, of which they are the last
     first_jump = len(state.durations) - run.drive_jump_count
     for side in range(2):
         outside = segments[segment_outside(n, side)]
         line = state.lines[line_from_outside(n, side)]
         line.incoming_wave = 0.0
-        if outside.velocity_count > 0 and outside.boundary_kind == BoundaryKind.STEADY:
-            # What is steady outside is a wall, or a fixed end.
+        has_values = outside.velocity_count > 0  # it is no free end
+        if has_values and outside.boundary_kind == BoundaryKind.STEADY:
+            # A wall or a fixed end: the only value is its constant velocity.
             line.incoming_wave = values[outside.profile_offset] - run.frame_velocity
         outside.mobility = 0.0
         if outside.boundary_kind == BoundaryKind.ENDLESS:
@@ -369,9 +382,10 @@ def initialise_member(state: State, values: Values) -> None:
 def set_end(run: Run, segments: Sequence[Segment]) -> None:
     """Set `end_tick`, the tick to run to, and `ticks_after_proof`.
 
-    With a given end, `end_tick` is that. Without one it is NONE, and the run goes on
-    after the proof for a round trip of the longest body if that is asked for, or if
-    velocities may still change. Else `ticks_after_proof` is 1.
+    If an end `until` is given, `end_tick` is the nearest tick. Otherwise it is NONE,
+    and the run goes on after the proof for `ticks_after_proof`: the round trip of the
+    longest body if the request says `run_past_proof`, or if velocities may still change
+    (`settles_after_proof`); else 1 tick.
     """
     run.end_tick = NONE
     run.ticks_after_proof = 1
@@ -382,9 +396,10 @@ def set_end(run: Run, segments: Sequence[Segment]) -> None:
 
 
 def round_trip(segments: Sequence[Segment]) -> int:
-    """Ticks in which a wave goes through the longest body, all its segments, and back.
+    """Ticks that a wave takes through the longest body and back.
 
-    The longest is the one with the longest transit.
+    The transit of a body is the sum over its segments; the longest body is the one with
+    the longest transit. Bonded bodies count one by one.
     """
     longest = 0
     body_transit = 0
@@ -399,11 +414,14 @@ def round_trip(segments: Sequence[Segment]) -> int:
 def append_initial_fronts(state: State, s: int, wave_speed: float) -> None:
     """Append the fronts that fill segment s with its initial state to the log.
 
-    The waves are a = v - c eps and b = v + c eps in the frame. The piece between x0 and
-    x1, in ticks from the left end, was sent from the left end x1 ticks ago as part of
-    a, and from the right end T - x0 ticks ago as part of b, T the transit time. The
-    first front of each wave is always written, others where the wave changes, in order
-    of time, a before b. `log_rows` of the run grows.
+    The waves are a = v - c eps and b = v + c eps, with v in the frame. At t = 0 the
+    piece between x0 and x1, in ticks from the left end, is part of both. As part of a
+    it began to leave the left end x1 ticks ago; as part of b it began to leave the
+    right end T - x0 ticks ago, T the transit time. First all fronts of a are appended,
+    then those of b, each in order of time. The first front of a wave is always
+    appended, the others only where the wave changes. `log_rows` of the run grows.
+
+    `s` is counted from 1, and `wave_speed` is its c, m/s.
     """
     run = state.runs[0]
     durations = state.durations
@@ -416,16 +434,17 @@ def append_initial_fronts(state: State, s: int, wave_speed: float) -> None:
         start = run.log_rows  # row of the first front of this wave
         sign = 2 * leftward - 1  # sign of c eps: -1 in a, 1 in b
         for k in range(stop - first):
-            # In order of time:
-            # what is nearest to the end where it arrives was sent first.
+            # The piece nearest to the end where the wave arrives was sent first: the
+            # leftmost one of b, the rightmost one of a.
             if leftward:
                 i = first + k
             else:
                 i = stop - 1 - k
             piece = pieces[i]
-            # Ends of the piece. Durations are the n transit times, then the times up to
-            # the jumps of all segments; each segment has one jump less than pieces.
-            jump_index = n + i - s  # of the jump at which the piece begins
+            # Duration up to the jump at which piece i begins, see `split_at_jumps`
+            jump_index = n + i - s
+            # The ends of the piece, ticks. `min` is needed as rounding may move a jump
+            # past the end of the segment.
             x0 = 0
             x1 = transit
             if i > first:
@@ -434,26 +453,29 @@ def append_initial_fronts(state: State, s: int, wave_speed: float) -> None:
                 x1 = min(durations[jump_index + 1].ticks, transit)
             velocity = piece.velocity - run.frame_velocity
             wave = velocity + sign * wave_speed * piece.strain
-            # When the front of the piece was sent, see above
+            # Tick at which the piece began to leave, before t = 0
             if leftward:
                 tick = x0 - transit
             else:
                 tick = -x1
+            line = 2 * s + leftward
             if x1 > x0:  # a piece that lasts no tick is left out
-                append_front(run, state.log, start, tick, 2 * s + leftward, wave)
+                append_front(run, state.log, start, tick, line, wave)
 
 
 def append_driven_fronts(
     state: State, side: int, values: Values, first_jump: int
 ) -> None:
-    """Append the fronts of what drives an end of the row to the log.
+    """Append the fronts of the drive of an end of the row to the log.
 
-    The wave from outside is V in the frame for a given velocity V, F Y for a force F,
-    and a0 - 2 c eps (left end) or b0 + 2 c eps (right end) for a strain eps that comes
-    through a semi-infinite bar, a0 or b0 the wave that this end sends inward at t = 0.
-    A front holds the new wave, not its change. The first one is at tick 0. The times of
-    the jumps are the durations from `first_jump` on. Jumps after the end of the run,
-    and values that last no tick, are left out.
+    `side` is 0 for the left end and 1 for the right end. The wave from outside is V in
+    the frame for a given velocity V, and F Y for a given force F. For a strain eps that
+    arrives through a semi-infinite bar it is a0 - 2 c eps at the left end, and
+    b0 + 2 c eps at the right end, with a0 or b0 the wave that leaves this end inward at
+    t = 0. The first front is at tick 0, the others at the jumps, whose times are the
+    durations from `first_jump` on. Jumps after the end of the run, values that last no
+    tick, and changes within the velocity tolerance are left out. The fronts of the
+    initial state must be in the log. `log_rows` of the run grows.
     """
     run = state.runs[0]
     log = state.log
@@ -464,7 +486,7 @@ def append_driven_fronts(
     end_segment = segment_at_end(n, side)
     wave_speed = values[end_segment - 1]  # wave speeds come first among the values
     wave_by_strain = (4 * side - 2) * wave_speed  # -2 c on the left, 2 c on the right
-    # The last front on the inward line holds what it sends at t = 0.
+    # The wave that leaves inward at t = 0 is that of the last front on this line.
     inward_wave = 0.0
     for r in range(run.log_rows):
         if log[r].line == inward_line:
@@ -484,11 +506,11 @@ def append_driven_fronts(
             wave = value - run.frame_velocity
         if j == value_count - 1:  # no value follows
             is_last = True
-        else:  # times of jumps stand behind the values
+        else:  # the times of the jumps follow the values
             jump_time = values[outside.profile_offset + value_count + j]
             is_last = jump_time > run.until
         if is_last:
-            stop_tick = start_tick + 1  # it lasts: any later tick shows that
+            stop_tick = start_tick + 1  # any later tick: the last value is not left out
         else:
             jump_tick = state.durations[first_jump + j].ticks
             stop_tick = max(start_tick, jump_tick)
@@ -501,11 +523,11 @@ def append_driven_fronts(
 def append_front(
     run: Run, log: Log, start: int, tick: int, line: int, wave: Amplitude
 ) -> None:
-    """Append a front to the log, unless its wave is that of the front before it.
+    """Append a front to the log, unless its wave equals that of the front before it.
 
-    Waves count as equal within the velocity tolerance. The first front of a line, which
-    stands in the row `start`, is always appended. `log_rows` of the run counts the new
-    row; its `next_row` is not set yet.
+    Waves within the velocity tolerance count as equal. `start` is the row of the first
+    front of the line, which is always appended. `tick` and `wave` are those of the
+    front; `next_row` is not set yet. `log_rows` of the run counts the new row.
     """
     is_first = run.log_rows == start
     if is_first or abs(wave - log[run.log_rows - 1].value) > run.velocity_tolerance:

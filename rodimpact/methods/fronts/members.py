@@ -1,8 +1,8 @@
 """The members of a family, one after the other: initialised, run, and measured.
 
-A run ends at the time asked for, or some ticks after the proof that the collision is
-final. After a proof that failed the next one waits for an event a node and an eighth
-more events, so that proofs cost no more than the run itself.
+A run ends at a given time, or some ticks after the proof that the collision is final.
+After a proof that failed, the next one waits until one event a node and an eighth of
+the events so far have been added, so that proofs cost no more than the run itself.
 """
 
 from collections.abc import Sequence
@@ -15,15 +15,15 @@ from .records import CHANGE, IDLE, NEVER, NONE, NodeResult, Run, State
 def run_members(state: State) -> bool:
     """Run every member to its end, and set its results; return whether all have ended.
 
-    If the log is full it returns False: call this again with a longer one, and the
-    member goes on. A member without a clock is not run; of its results `stop_reason`
-    says so, and the others mean nothing.
+    False is returned if the log is full: call this again with a longer log, and the
+    present member goes on. A member without a clock is not run: its result
+    `stop_reason` says why, and its other results are meaningless.
     """
     run = state.runs[0]
     segments = state.segments
     all_values = state.values
     all_results = state.results
-    # Whether the present member has begun already: the log was full in its run.
+    # Whether the present member has already begun, in a call that ended with a full log
     is_resumed = run.stop_reason == Stop.FULL
     if not is_resumed:
         run.member = 0
@@ -36,8 +36,8 @@ def run_members(state: State) -> bool:
                 events.start(state)
                 energy.update_motion(state)
                 energy.store_initial_motion(segments)
-        is_resumed = False  # the members after it have not begun
-        if run.stop_reason < Stop.DONE:  # the member has a clock, and has not ended
+        is_resumed = False  # for the next members
+        if run.stop_reason < Stop.DONE:  # NONE or FULL: it has a clock
             run.stop_reason = run_to_end(state)
             if run.stop_reason == Stop.FULL:
                 return False
@@ -53,38 +53,38 @@ def run_members(state: State) -> bool:
 
 
 def run_to_end(state: State) -> int:
-    """Run to tick `end_tick`; without one to the proof and `ticks_after_proof` more.
+    """Run to `end_tick`; if that is NONE, to `ticks_after_proof` after the proof.
 
     Returns
     -------
     int
-        `states.Stop`: DONE (reached `end_tick`), FINAL (proved, and run on), FULL (grow
-        the log and call again), CAP (more events than the limit) or CLOCK (its ticks
-        are over). At the end `Run.now` is the tick reached.
+        `states.Stop`: DONE (`end_tick` is reached), FINAL (proved, and run on), FULL
+        (grow the log and call again), CAP (the cap on events) or CLOCK (the last tick
+        of the clock came before a proof). `Run.now` is the tick reached.
 
     Notes
     -----
-    CHECK never comes back: `events.advance` stops with it where a proof is due, which
-    is tried here, and the run goes on. A proof is due after the tick `next_proof_tick`,
-    the earliest that the last attempt left possible, and not before the number of
-    events is `next_proof_event`, so that proofs cost no more than the run.
+    CHECK is never returned: `events.advance` stops with it when a proof is due; the
+    proof is tried here, and the run goes on. A proof is due after `next_proof_tick`,
+    the earliest tick at which it can succeed, and only once the number of events is
+    `next_proof_event`.
     """
     run = state.runs[0]
     runs_to_proof = run.end_tick == NONE
     if not runs_to_proof:
-        run.next_proof_event = IDLE  # no proof stops the run on its way
+        run.next_proof_event = IDLE  # no proof is due before the end
     stop = Stop.NONE.value
     is_running = True
     while is_running:
-        # Whether the horizon is the end of the run, and not that of the clock
+        # Whether the horizon is the end of the run, not the end of the clock
         had_end = run.end_tick != NONE or run.proved_tick != NONE
         horizon = find_horizon(run)
         stop = events.advance(state, horizon)
         if stop == Stop.DONE and had_end:
-            run.now = horizon  # no event is left up to there
+            run.now = horizon  # all events up to the horizon have happened
         if stop != Stop.FULL and run.proved_tick == NONE:
             try_proof(state, stop)
-        # A proof sets the end: the run goes on to it.
+        # If the proof has just succeeded, the end is known now: run to it.
         proof_sets_end = not had_end and run.proved_tick != NONE
         is_running = stop == Stop.CHECK or (stop == Stop.DONE and proof_sets_end)
     if stop == Stop.DONE and runs_to_proof:
@@ -97,8 +97,9 @@ def run_to_end(state: State) -> int:
 def find_horizon(run: Run) -> int:
     """Tick at which a run ends, as far as is known.
 
-    It is `end_tick` where an end was asked for; else `ticks_after_proof` after the
-    proof; the last tick of the clock as long as there is no proof.
+    It is `end_tick` if an end is given. Otherwise it is `ticks_after_proof` after the
+    proof, but not after the last tick of the clock; without a proof so far, it is the
+    last tick of the clock.
     """
     if run.end_tick != NONE:
         return run.end_tick
@@ -110,24 +111,24 @@ def find_horizon(run: Run) -> int:
 def try_proof(state: State, stop: int) -> None:
     """Try to prove the collision final; set `proved_tick`, or when to try again.
 
-    `stop` is why the run stopped, as `states.Stop`. A proof that fails is tried again
-    only if this is CHECK; else the run does not go on.
+    `stop` is the reason why the run stopped, as `states.Stop`. If the proof fails, the
+    next attempt is set only for CHECK: with any other reason the run has ended.
     """
     run = state.runs[0]
     node_count = len(state.nodes)
     if stop == Stop.CHECK:
-        # No event comes before, so that the state at that tick is known.
+        # The next event is after this tick, so that the state at the tick is known.
         now = max(run.now, run.next_proof_tick)
     else:
         now = run.now
-    # `now` if the collision is final, else a later tick at which it may be
+    # `now` if the collision is final, else a later tick at which it may be final
     tick = finality.finality_tick(state, now)
     if tick == now:
         run.proved_tick = now
         run.next_proof_event = IDLE  # no further proof
     elif stop == Stop.CHECK:
         run.next_proof_tick = tick
-        # Proofs are rarer in a longer run, so that they take a part of its time only.
+        # The longer the run, the rarer the proofs: they take only a part of its time.
         run.next_proof_event = run.events + node_count + run.events // 8
 
 
@@ -137,30 +138,32 @@ def try_proof(state: State, stop: int) -> None:
 def find_max_wave(state: State) -> None:
     """Set `max_wave` of the run, the largest absolute wave of all fronts, m/s.
 
-    The largest strain follows from it.
+    Divided by the least wave speed, it bounds the strains.
     """
     run = state.runs[0]
     log = state.log
-    run.max_wave = 0 * run.tick_duration  # 0 of the type of number of this run
+    run.max_wave = 0 * run.tick_duration  # 0 of the same kind of number
     for r in range(run.log_rows):
-        if log[r].line != CHANGE:  # changes of status are in the log, too
+        if log[r].line != CHANGE:  # other rows are changes of status
             run.max_wave = max(run.max_wave, abs(log[r].value))
 
 
 def store_member_result(state: State, results: Sequence[NodeResult]) -> None:
     """Set the results, [node], of the member that has run, in SI units.
 
-    Those of segment k are at node k, those of the run at node 0.
+    The results of segment k are stored at node k, on its right, and the results of the
+    run at node 0. The vibration energy of the run is the sum over the segments.
     """
     run = state.runs[0]
     tick_duration = run.tick_duration
     time = run.now * tick_duration
     vibration_energy = 0.0
     for k in range(len(state.nodes)):
-        segment = state.segments[k]  # the segment on the left of the node
+        segment = state.segments[k]  # on the left of the node; 0 lies outside
         node = state.nodes[k]
         result = results[k]
-        moment = node.impulse_moment * tick_duration * tick_duration  # N s^2
+        # integral(F t dt), N s^2: both F t and dt are in ticks
+        moment = node.impulse_moment * tick_duration * tick_duration
         result.velocity_before = segment.initial_group_velocity + run.frame_velocity
         result.velocity_after = segment.group_velocity + run.frame_velocity
         result.initial_momentum = segment.initial_momentum * tick_duration

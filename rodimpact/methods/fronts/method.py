@@ -45,11 +45,12 @@ def solve(
     max_events: int,
     report: ProgressReport = no_report,
 ) -> Run:
-    """Run a single collision by fronts; return what all methods return.
+    """Run a single collision by fronts; return the `Run` that all methods return.
 
-    It runs to `until`, s, or, with None, to its proof of finality and one round trip
-    of the longest body more; at most `max_events` events. `report` is told the progress
-    of a long run. The errors that rounded transit times make are found by a second run.
+    It runs to `until`, s, or, if that is None, to one round trip of the longest body
+    after its proof of finality, but for at most `max_events` events. `report` is called
+    with the progress of a long run. If transit times were rounded, a second run finds
+    the errors.
 
     Raises
     ------
@@ -68,7 +69,10 @@ def run_fronts(
     max_events: int = runs.MAX_EVENTS,
     report: ProgressReport = no_report,
 ) -> FrontRun:
-    """Run a single collision, as `solve`, and return the run with its records."""
+    """Run a single collision, and return the run with its records.
+
+    The arguments, and the errors raised, are those of `solve`. There is no second run.
+    """
     request = RunRequest(until, max_events)
     return FrontRun(driver.solve_one(lay_out_family(row), request, report))
 
@@ -78,13 +82,13 @@ def make_run(
     until: float | None,
     rounding_errors: Mapping[str, float] = NO_ERRORS,
 ) -> Run:
-    """The `Run` that all methods return, of a finished run to `until`, s.
+    """Make the `Run` that all methods return from a finished run to `until`, s.
 
-    It has the times of the proof and of the last contact, both nan without a proof (the
-    last contact may be nan or inf with one, see `last_contact_end`), the status in
-    sentences, totals of contacts and of the row, and a function that makes
-    the signals. `rounding_errors` are those of `effect_of_rounding`, by measure; errors
-    by faint forces are added.
+    The `Run` has the time of the proof, `t_proved`, and the end of the last contact,
+    `t_final`, both nan without a proof. With a proof, `t_final` may be inf or nan, see
+    `last_contact_end`. It also has the status in sentences, totals of the contacts and
+    of the row, and a function that makes the signals. `rounding_errors` are those of
+    `effect_of_rounding`, by measure; errors from faint forces are added.
     """
     clock = finished.clock
     now = finished.run.now
@@ -94,8 +98,8 @@ def make_run(
     t_final = math.nan
     t_proved = math.nan
     if finished.is_proved:
-        # `longest_rod` is the time through the longest rod, ticks. Bodies that still
-        # touch may part within a round trip.
+        # Bodies that still touch may part within a round trip of the longest rod.
+        # `longest_rod` is the ticks of a wave through it.
         round_trip = 2 * clock.longest_rod * clock.tick  # s
         t_final = last_contact_end(finished.run, finished.contacts, round_trip)
         t_proved = finished.proved_tick * clock.tick
@@ -120,17 +124,20 @@ def make_run(
 def status_of(
     finished: FrontRun, t_final: float, rounding_errors: Mapping[str, float]
 ) -> str:
-    """Sentences on why a run ended, on rounding, large strains and faint forces.
+    """Sentences on the end of a run, rounding, large strains and faint forces.
 
-    All but the first, and its advice, are there only where they apply. `t_final` is the
-    end of the last contact, s, `rounding_errors` are those of `make_run`.
+    The first sentence, why the run ended, is always there, the others only where they
+    apply. `t_final` is the end of the last contact, s; `rounding_errors` are relative
+    errors by measure, as in `make_run`.
     """
     clock = finished.clock
     why = end_of_run(
         finished.run, finished.contacts, clock.system, finished.is_proved, t_final
     )
-    slowest = min(clock.wave_speed[1:-1])  # the two outsides have none
-    max_strain = finished.run.max_wave / slowest  # a bound of the largest strain
+    # Entries 0 and -1 belong to the outside, and have no wave speed.
+    slowest = min(clock.wave_speed[1:-1])
+    # abs(b - a)/(2 c) is at most the largest wave over c.
+    max_strain = finished.run.max_wave / slowest
     status = with_advice(why)
     status += rounding(clock.transit_error, clock.worst_path)
     status += strain_warning(max_strain)

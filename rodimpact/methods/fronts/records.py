@@ -12,8 +12,8 @@ travel to the left. So at node k the lines 2k (through segment k) and 2k + 3 (th
 segment k + 1) arrive, and the lines 2k + 1 and 2k + 2 leave. From outside the lines 0
 and 2n + 3 come.
 
-A side is 0 on the left and 1 on the right: on a side of node k lies segment k + side,
-from there line 2k + 3 side arrives, and line 2k + 1 + side leads there.
+A side is 0 (left) or 1 (right). On this side of node k, segment k + side is the
+neighbour, line 2k + 3 side arrives, and line 2k + 1 + side leaves.
 
 Waves are velocities, m/s, in a frame chosen by the caller. Times are whole ticks.
 Derived quantities stay in these units: lengths are velocity times ticks, impulses and
@@ -46,21 +46,23 @@ Int8: TypeAlias = Annotated[int, "i1"]
 class Segment:
     """A uniform piece of a rod, or what lies outside an end of the row."""
 
-    # Initial state of the body that begins here, or values over time of what drives
-    # this end. They begin at `profile_offset` among the values of a member.
-    profile_offset: int
-    velocity_count: int  # 0: no body begins here; of what drives an end the number of
-    # values, whatever they are: velocities, forces or strains
-    strain_count: int
-    boundary_kind: int  # `states.BoundaryKind`; for what lies outside
+    # Initial state of the body that begins with this segment. A segment outside the row
+    # holds a wall, or the values over time of the drive of its end.
+    profile_offset: int  # index of the first velocity among the values of a member
+    velocity_count: int  # number of velocities; 0: no body begins here. For a drive it
+    # is the number of its values: velocities, forces or strains
+    strain_count: int  # number of strains
+    boundary_kind: int  # `states.BoundaryKind`, for a segment outside the row
 
     transit: Tick  # transit time, ticks
     mobility: Amplitude  # 1/Z, s/kg
-    group_first: int  # first and last segment of its bonded group; outside the row
-    group_last: int  # 1 and 0, an empty range
+    # First and last segment of its bonded group; 1 and 0, an empty range, outside the
+    # row
+    group_first: int
+    group_last: int
     first_piece: int  # index of its first `InitialPiece`
 
-    # Motion at t = 0, and when it was measured last
+    # Motion at t = 0, and at the last measurement
     initial_group_velocity: Amplitude  # velocity of its bonded group
     initial_momentum: Amplitude
     initial_vibration_energy: Amplitude
@@ -74,8 +76,10 @@ class Segment:
     min_end_velocity: Amplitude  # bounds of the velocity of the group's end
     max_end_velocity: Amplitude
     is_end_velocity_bounded: int  # 1: these bounds hold
-    end_deviation: Amplitude  # its end less the mean motion, positive to the right
-    deviation_bound_squared: Amplitude  # largest deviation that its vibration allows
+    end_deviation: Amplitude  # displacement of the end from the mean motion, positive
+    # to the right; velocity times ticks
+    deviation_bound_squared: Amplitude  # square of the largest deviation that the
+    # vibration of the group allows
     compliance_integral: Amplitude  # integral(g^2 dx/(E A)), see `finality`
 
 
@@ -93,14 +97,14 @@ class Node:
 
     # Effects of the force so far
     impulse: Amplitude
-    work: Amplitude  # energy handed from left to right
+    work: Amplitude  # energy transferred from left to right
     impulse_moment: Amplitude  # integral(F t dt)
     peak_force: Amplitude  # largest force that lasted over `Run.round_off_window`
     first_force_tick: Tick  # or NONE
     last_force_tick: Tick  # or NONE
     last_opening_tick: Tick  # last opening of the gap after a force, or NONE
     force_ticks: Tick  # force duration
-    is_faint: int  # 1: it grazes, and its last force was faint, see `contact`
+    is_faint: int  # 1: the contact grazes, and its last force was faint, see `contact`
     faint_ticks: Tick  # ticks of grazing after a faint force
     episodes: int  # number of times a closed contact began to press
 
@@ -113,11 +117,11 @@ class Line:
     next_row: int  # row of the front that arrives next, or NONE
     arrival_tick: Tick  # tick at which that front arrives, or IDLE
     last_row: int  # row of the front sent last; NONE on a line that leads out of the
-    # row, whose waves are not kept
+    # row: its waves are not stored
 
 
 class Front:
-    """A row of the log: a front, or a contact that changes its status.
+    """A row of the log: a front, or a change of the status of a contact.
 
     In a change, `line` is CHANGE, `next_row` is the node and `value` its new status.
     """
@@ -129,10 +133,11 @@ class Front:
 
 
 class CachedDuration(Duration):
-    """A time that the clock counts in ticks, and that of the previous member.
+    """A time that the clock counts in ticks, and its value in the previous member.
 
-    First come the transit times of the segments, then the times from the left end of a
-    segment to the jumps of its initial state, then the times at which drives jump.
+    In `State.durations`, the transit times of the segments come first, then the times
+    that waves take from the left end of a segment to the jumps of its initial state,
+    then unused entries, and last the times at which drives jump.
     """
 
     cached_time: float  # `time` of the previous member, s
@@ -171,11 +176,13 @@ class Run:
     """The request for a run, its clock, and its progress."""
 
     # Request
-    until: float  # end, s; if negative none is given, and -until is the share of the
-    # default horizon that the clock counts: 1, or less on the page
+    until: float  # given end, s. A negative value means that no end is given; then
+    # -until is the share of the `tick_rule.HORIZON` longest transits that the clock
+    # counts: 1, or less on the web page
     max_events: int
     record_max_stress: int  # 1: `Segment.max_wave_difference` is found
-    run_past_proof: int  # 1: run one round trip on, and measure what balances need
+    run_past_proof: int  # 1: run one round trip past the proof, and find the energies
+    # at t = 0 and the largest wave
     perturb_rounding: int  # 1: transit times are rounded the other way
 
     settles_after_proof: int  # 1: there is a bond or a semi-infinite bar, so that
@@ -184,17 +191,17 @@ class Run:
 
     # Clock
     longest_transit_time: float  # s
-    longest_bits: int  # base-2 logarithm of `longest_ticks`, about
-    longest_ticks: int
+    longest_bits: int  # base-2 logarithm of `longest_ticks`, approximately
+    longest_ticks: int  # the longest transit time in ticks
     shortest_segment: int  # segment with the shortest transit time
-    drive_jump_count: int  # jumps of what drives the ends
+    drive_jump_count: int  # number of jumps of both drives
     tick_duration: Amplitude  # s
     horizon: float  # s
     frame_velocity: Amplitude  # m/s
     velocity_scale: float  # m/s
     velocity_tolerance: Amplitude  # smallest change of a wave that is a front, m/s
-    round_off_window: int  # ticks: a wave or force that lasts no longer comes of
-    # round-off, and a closing so near to an arrival moves to it
+    round_off_window: int  # ticks. A wave or force that lasts no longer is round-off. A
+    # gap that closes so shortly before an arrival closes at the arrival
     end_tick: Tick  # tick to run to; NONE: to the proof
     ticks_after_proof: Tick  # ticks to run on after the proof
 
@@ -203,8 +210,9 @@ class Run:
     log_rows: int  # rows of the log in use
     initial_rows: int  # rows that fill the segments at t = 0
     events: int
-    next_proof_tick: Tick  # a proof is tried after this tick
-    next_proof_event: int  # and not before so many events
+    # A proof is tried after this tick, and only from this number of events on.
+    next_proof_tick: Tick
+    next_proof_event: int
     proved_tick: Tick  # tick of the proof, or NONE
     stop_reason: int  # `states.Stop`
 
@@ -220,7 +228,7 @@ Values: TypeAlias = Sequence[Amplitude]
 class State(NamedTuple):
     """All that the kernels read and change; the members of a family use it in turn."""
 
-    runs: Sequence[Run]  # one Run; a sequence, since machine code changes arrays only
+    runs: Sequence[Run]  # a single Run: machine code can change entries of arrays only
     values: Sequence[Values]  # [member, value]
     durations: Sequence[CachedDuration]
     initial_pieces: Sequence[InitialPiece]

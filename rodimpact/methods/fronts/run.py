@@ -24,11 +24,12 @@ class FrontRun:
     Attributes
     ----------
     batch : FrontBatch
-        As the kernel left it.
+        The batch whose only member is this run.
     layout : FamilyLayout
     clock : Clock
     run : records.Run
     segments : list of records.Segment
+        The first and the last one lie outside the row.
     nodes : list of records.Node
     contacts : list of records.Node
         The nodes of the contacts.
@@ -36,20 +37,21 @@ class FrontRun:
     stopped_by : str
         ``"final"``, ``"until"``, ``"max_events"`` or ``"clock"``.
     proved_tick : int
-        Tick at which the collision was proved final; NONE without a proof, as with
-        driven ends.
+        Tick at which the collision was proved final; NONE without a proof. A row with
+        driven ends has none.
 
     Raises
     ------
     InvalidModel
-        When velocities overflow, or transit times are too far apart for one clock.
+        If energies overflow, if the run is too long for a clock, or if transit times
+        are too far apart for one clock.
     """
 
     def __init__(self, batch: FrontBatch) -> None:
         """Take the records of a batch whose only member has run, and make its clock.
 
-        A proof is dropped where an end is driven. InvalidModel is raised if no clock
-        counts the run, or if its energies overflow.
+        A proof is discarded if an end is driven. InvalidModel is raised if the run has
+        no clock, see `_why_no_clock`.
         """
         self.batch = batch
         self.layout = batch.layout
@@ -63,14 +65,14 @@ class FrontRun:
         self.clock = self._clock()
         self.stopped_by = REASONS[Stop(self.run.stop_reason)]
         self.proved_tick = self.run.proved_tick
-        # A proof means nothing where an end is driven;
-        # such a run always has an end `until`.
+        # With a driven end a proof is meaningless, as its bounds do not hold. Such a
+        # run always has a given end, and this is checked first as it is quicker.
         if self.run.until >= 0 and has_external_drive(self.layout.row.system):
             self.proved_tick = NONE
 
     @cached_property
     def log(self) -> Any:
-        """Rows of the kernel's log, an array of records."""
+        """Rows of the kernel's log that are in use, an array of `records.FRONT`."""
         return self.batch.array("log")[: self.run.log_rows]
 
     @property
@@ -80,26 +82,28 @@ class FrontRun:
 
     @property
     def until(self) -> float | None:
-        """End that was asked for, s."""
+        """Given end of the run, s; None if it ran to its proof."""
         if self.run.until < 0:
             return None
         return self.run.until
 
     def _clock(self) -> Clock:
-        """The clock of the run, with its rounded transit times.
+        """Make the clock of the run, with its rounded transit times.
 
-        Its impedances are those of the segments, with an entry for each outside: that
-        of the segment beside it for a semi-infinite bar, else 0.
+        Its impedances are those of the segments, with an entry before and after them
+        for the outside: the impedance of the outermost segment for a semi-infinite bar,
+        else 0.
         """
         row = self.layout.row
         impedance = [0.0]  # outside on the left
         for segment in row.segments:
             impedance.append(float(segment.impedance))
         impedance.append(0.0)  # outside on the right
-        if self.segments[0].mobility > 0:  # a semi-infinite bar
+        if self.segments[0].mobility > 0:  # a semi-infinite bar on the left
             impedance[0] = impedance[1]
-        if self.segments[-1].mobility > 0:
+        if self.segments[-1].mobility > 0:  # one on the right
             impedance[-1] = impedance[-2]
+        # Without the segments outside
         ticks = [segment.transit for segment in self.segments[1:-1]]
         return clock_of(
             row,
@@ -110,11 +114,11 @@ class FrontRun:
         )
 
     def _why_no_clock(self) -> tuple[str, str]:
-        """Path and sentence for a collision that cannot be run.
+        """Path in the model and sentence that say why a collision cannot be run.
 
-        By the stop reason of the run, it has too large velocities ("bodies", OVERFLOW),
-        it is too long ("until", LONG), or else a segment, whose path is given, is too
-        short for a clock.
+        They depend on the stop reason. OVERFLOW: velocities are too large, path
+        "bodies". LONG: the run is too long, path "until". SHORT: the shortest segment
+        is too short beside the longest; the path is that of the segment.
         """
         run = self.run
         row = self.layout.row

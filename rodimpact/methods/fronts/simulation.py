@@ -13,7 +13,10 @@ from .records import CHANGE, FRONT, NONE, Amplitude, Front, Run, State
 
 
 class Simulation(State):
-    """A single collision on objects; times and amplitudes are numbers of any kind."""
+    """A `State` with a single collision, whose records are objects.
+
+    Times and amplitudes are numbers of any kind.
+    """
 
     __slots__ = ()
 
@@ -28,10 +31,11 @@ class Simulation(State):
         return [row for row in self.log[: self.run.log_rows] if row.line == CHANGE]
 
     def run_to_proof(self, max_events: int, tolerance: Amplitude = 0.0) -> Stop:
-        """Run to the proof of finality, and one tick more; return why it stopped.
+        """Run to one tick after the proof of finality; return why it stopped.
 
-        `max_events` is the cap on events, `tolerance` the largest change of a wave that
-        is no front, m/s. The totals of the nodes are brought up to the end.
+        `max_events` is the cap on events. A change of a wave by at most `tolerance`,
+        m/s, is no front. The totals of the nodes are brought up to the end. The reason
+        is FINAL, CAP, or CLOCK if the clock ends before a proof.
         """
         self.run.end_tick = NONE
         self.run.ticks_after_proof = 1
@@ -40,28 +44,33 @@ class Simulation(State):
     def run_to(
         self, end_tick: Any, max_events: int, tolerance: Amplitude = 0.0
     ) -> Stop:
-        """Run to tick `end_tick`; return why it stopped.
+        """Run to tick `end_tick`, past any proof; return why it stopped: DONE or CAP.
 
-        The other arguments are as in `run_to_proof`.
+        `max_events` is the cap on events. A change of a wave by at most `tolerance`,
+        m/s, is no front. The totals of the nodes are brought up to the end.
         """
         self.run.end_tick = end_tick
         return self._run(max_events, tolerance)
 
     def advance(self, horizon: int) -> None:
-        """Run to a tick, and leave the totals of the nodes as they are."""
+        """Solve all events up to tick `horizon`.
+
+        The totals of each node stay those of its own last event. The run also stops at
+        the cap on events, or where a proof is due.
+        """
         while events.advance(self, horizon) == Stop.FULL:
             self._grow_log()
 
     def _run(self, max_events: int, tolerance: Amplitude) -> Stop:
         """Run to the end that is set in `run`, and return why it stopped.
 
-        The log is made longer as often as it is full; the state is changed. The totals
-        of the nodes are brought up to the end. Cap and tolerance are stored in `run`.
+        The log grows whenever it is full; the state is changed. The totals of the nodes
+        are brought up to the end. Cap and tolerance are stored in `run`.
         """
         run = self.run
         run.max_events = max_events
         run.velocity_tolerance = tolerance
-        # Numbers may be exact, so no closing is moved to an arrival.
+        # Exact numbers have no round-off: no closing is moved to an arrival.
         run.round_off_window = 0
         stop = run_to_end(self)
         while stop == Stop.FULL:
@@ -85,16 +94,17 @@ def start_simulation(
 ) -> Simulation:
     """Build the state of a collision at t = 0, ready to run.
 
-    Times and amplitudes may be floats or fractions, also fractions that record how they
-    were computed. The clock is given, and what would choose it is left out.
+    Times and amplitudes may be floats or fractions, including fractions that record how
+    they were computed. The clock is given by `ticks` and `tick_duration`, in place of
+    the tick rule.
 
     Parameters
     ----------
     layout : FamilyLayout
         Layout of a collision in which velocities and strains do not jump.
     values : sequence
-        Values of the member, in place of those of the layout: the wave speeds of the
-        segments, their impedances, and so on.
+        Values of the member, in place of those of the layout and in the same order:
+        wave speeds, impedances, and so on, see `initial_state`.
     ticks : [segment]
         Transit times, ticks.
     tick_duration : number
@@ -102,20 +112,21 @@ def start_simulation(
     frame_velocity : number
         Velocity of the frame, m/s.
     """
-    state = Simulation(*make_state(layout, INITIAL_LOG_ROWS, []))
-    # In other runs `initial_state.choose_clock` sets these, pieces and transits.
+    # The state has no list of members: `values` are passed on here.
+    state = Simulation(*make_state(layout, INITIAL_LOG_ROWS, values=[]))
+    # In other runs `initial_state.choose_clock` sets these two, pieces and transits.
     state.run.tick_duration = tick_duration
     state.run.frame_velocity = frame_velocity
     segments = state.segments
-    # Nothing jumps here, so that each segment becomes one piece.
+    # Without jumps, each segment becomes one piece.
     initial_state.split_at_jumps(state, values)
     n = len(ticks)
     for s in range(1, n + 1):
         segments[s].transit = ticks[s - 1]
-        impedance_index = n + s - 1  # behind the n wave speeds
+        impedance_index = n + s - 1  # the impedances follow n wave speeds
         segments[s].mobility = 1 / values[impedance_index]
     initial_state.initialise_member(state, values)
-    events.start(state)
+    events.start(state)  # sets t = 0; no event is solved yet
     energy.update_motion(state)
     energy.store_initial_motion(segments)
     return state

@@ -1,4 +1,4 @@
-"""Why a run by fronts ended, in a sentence; the page has this as JavaScript."""
+"""Why a run by fronts ended, in a sentence; the web page has this as JavaScript."""
 
 from typing import Any
 
@@ -16,7 +16,9 @@ RESTING_FORCE_RTOL = 2.0**-40
 def end_of_run(
     run: Run, contacts: list[Node], system: Any, is_proved: bool, t_final: float
 ) -> RunEnd:
-    """Why a run ended, as a statement and advice, which may be "".
+    """Why a run ended, as a sentence and advice; the advice may be "".
+
+    A proof is stated even if the cap or a given end stopped the run.
 
     Parameters
     ----------
@@ -32,8 +34,9 @@ def end_of_run(
     final = ""
     if is_proved:
         final = final_sentence(contacts, system, t_final)
+    advice = ""  # a final run needs none
     if stopped_by == "final":
-        return RunEnd(final, "")
+        return RunEnd(final, advice)
     end_time = format_si(run.now * run.tick_duration, "s")
     if stopped_by == "max_events" and final == "":
         return RunEnd(
@@ -53,9 +56,10 @@ def end_of_run(
 def final_sentence(contacts: list[Node], system: Any, t_final: float) -> str:
     """Sentence on a collision that is proved final.
 
-    If contacts go on pressing, with more than `RESTING_FORCE_RTOL` of their peak force,
-    it names them. Else it is that of `status.proof_sentence`, for `t_final`, the end of
-    the last contact, s, or for a row in which no contact has pressed.
+    If contacts go on pressing with a force above `RESTING_FORCE_RTOL` of their peak
+    force, it names them. Otherwise it is `status.proof_sentence`, which depends on
+    whether any contact has pressed, and on `t_final`, the end of the last contact, s.
+    `contacts` are the nodes of the contacts.
     """
     pressing: list[int] = []
     has_pressed = False
@@ -72,19 +76,20 @@ def final_sentence(contacts: list[Node], system: Any, t_final: float) -> str:
 
 
 def faint_sentence(run: Run, contacts: list[Node], system: Any) -> str:
-    """Sentence on contacts whose force decays below the tolerance; empty without any.
+    """Sentence on contacts whose force decays below the tolerance; empty if none does.
 
-    It names them, and says how much longer their forces may last: for ever if no end
-    was given and one still grazes. The sentence begins with a space.
+    It names these contacts, and says how much longer their forces may last: for ever if
+    one of them still grazes at the end of a run without a given end; otherwise the
+    longest of their grazing times. The sentence begins with a space.
     """
     faint: list[int] = []
-    longest = 0
+    longest = 0  # ticks of grazing after a faint force
     lasts_for_ever = False
     for i, node in enumerate(contacts):
         if node.faint_ticks > 0:
             faint.append(i)
             longest = max(longest, node.faint_ticks)
-        if node.is_faint and run.until < 0:  # no end was given
+        if node.is_faint and run.until < 0:  # no end is given
             lasts_for_ever = True
     if len(faint) == 0:
         return ""
@@ -100,6 +105,6 @@ def faint_sentence(run: Run, contacts: list[Node], system: Any) -> str:
 
 
 def names_of(contacts: list[int], system: Any) -> str:
-    """Names of some contacts, separated by commas."""
+    """Names of contacts, given by their indices, separated by commas."""
     names = contact_names([body.kind for body in system.bodies])
     return ", ".join([names[i] for i in contacts])

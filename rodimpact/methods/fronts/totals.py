@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 from ...model import Absorbing, Fixed, Free
 from ..clock import Clock
-from ..groups import body_velocities, segments_of_groups
+from ..groups import body_velocities, first_segments_of_groups
 from ..outcome import Motion, Totals, Works, relative_residual
 from ..run import ContactTally
 from ..states import Status
@@ -15,10 +15,11 @@ from .run import FrontRun
 
 
 def tally_of(node: Node, tick_duration: float) -> ContactTally:
-    """Totals of the contact at a node, in SI units; the page has this as JavaScript.
+    """Totals of the contact at a node, in SI units.
 
-    `tick_duration` is in s. Both times of the force are nan if there was none; the last
-    one is nan, too, while the first force acts on.
+    `tick_duration` is in s. The times at which the first force began and the last force
+    ended are nan if there was no force; that of the end is nan, too, if the first force
+    still acts. The web page has this function as JavaScript.
     """
     first = math.nan
     if node.first_force_tick != NONE:
@@ -34,21 +35,21 @@ def tally_of(node: Node, tick_duration: float) -> ContactTally:
 def last_contact_end(run: Run, contacts: list[Node], round_trip: float) -> float:
     """Time at which the last contact ended in a proved run, s.
 
-    It is found by `status.last_contact`: 0 if none pressed, inf if one goes on
-    pressing, nan if bodies that touch may still part. Bonds are no contacts here.
-    `round_trip` is the longest time in a body there and back, s. The page has this as
-    JavaScript.
+    `status.last_contact` finds it: 0 if no contact pressed, inf if one presses for
+    ever, nan if bodies that touch may still part. Bonds do not count. `contacts` are
+    the nodes of the contacts; `round_trip` is the time of a wave through the longest
+    body and back, s. The web page has this function as JavaScript.
     """
-    ends: list[list[float]] = []
+    ends: list[list[float]] = []  # end of the force and opening, of each contact
     for node in contacts:
-        is_contact = node.status >= Status.OPEN  # one that can open, no bond
+        is_contact = node.status >= Status.OPEN  # it can open: it is no bond
         if not is_contact or node.episodes == 0:
             continue
-        force_end = math.nan  # it presses on
+        force_end = math.nan  # the contact still presses
         if node.status != Status.PRESS:
             force_end = node.last_force_tick * run.tick_duration
-        opening = math.nan
-        if node.status < Status.GRAZE:  # it is open, or touches without having pressed
+        opening = math.nan  # the contact is closed, and has not opened since it pressed
+        if node.status < Status.GRAZE:  # OPEN or TOUCH: it has opened after the force
             opening = node.last_opening_tick * run.tick_duration
         ends.append([force_end, opening])
     return last_contact(ends, run.now * run.tick_duration, round_trip)
@@ -60,35 +61,38 @@ def motion_of(
     velocities: list[float],
     energies: list[float],
 ) -> Motion:
-    """Motion of the bodies, from that of the segments; the page has this as JavaScript.
+    """Motion of the bodies, from the motion of the segments.
 
-    It has the mean velocity, m/s, and the vibration energy, J, of each body, and the
-    kinetic energy of the mean motions of all rods together, J. A wall has its own
-    velocity, and no energies.
+    The result has the mean velocity in the laboratory, m/s, and the vibration energy,
+    J, of each body, and the kinetic energy of the mean motions of all rods together, J.
+    A wall has its own velocity and the vibration energy 0, and does not add to the
+    kinetic energy. The web page has this function as JavaScript.
 
     Parameters
     ----------
     clock : Clock
     masses : [body] list of float
-        kg; of a wall any number.
+        kg; for a wall any number.
     velocities : [segment] list of float
-        Velocities of the groups in the frame, m/s, the outside counted.
+        Velocity of the bonded group of each segment in the frame, m/s. The first and
+        the last entry belong to the segments outside the row, and are not used.
     energies : [segment] list of float
-        Vibration energies about these motions, J over the tick.
+        Vibration energies about these velocities, J divided by the duration of a tick.
     """
     row = clock.row
-    # In the laboratory
+    # Velocities in the laboratory
     segment_velocities = [velocity + clock.frame for velocity in velocities]
     group_velocities = [
-        segment_velocities[s] for s in segments_of_groups(row.system, row.spans)
+        segment_velocities[s] for s in first_segments_of_groups(row.system, row.spans)
     ]
     by_body = body_velocities(row.system, group_velocities)
     vibration = []
     kinetic = 0.0
+    # First and last segment of each body, counted from 1; (1, 0) for a wall
     for i, (first, last) in enumerate(row.spans):
-        if last > 0:  # a rod, whose segments all have the velocity of its group
+        if last > 0:  # a rod: all its segments have the velocity of its group
             kinetic += masses[i] * segment_velocities[first] ** 2 / 2
-        # The span (1, 0) of a wall makes an empty sum.
+        # For a wall the sum is empty.
         vibration.append(math.fsum(energies[first : last + 1]) * clock.tick)
     return Motion([float(velocity) for velocity in by_body], vibration, kinetic)
 
@@ -96,7 +100,10 @@ def motion_of(
 def initial_motion(
     clock: Clock, masses: list[float], segments: list[Segment]
 ) -> Motion:
-    """Motion of the bodies at t = 0, see `motion_of`; the page has it as JavaScript."""
+    """Motion of the bodies at t = 0, see `motion_of`.
+
+    The web page has this function as JavaScript.
+    """
     velocities = [segment.initial_group_velocity for segment in segments]
     energies = [segment.initial_vibration_energy for segment in segments]
     return motion_of(clock, masses, velocities, energies)
@@ -105,7 +112,7 @@ def initial_motion(
 def final_motion(clock: Clock, masses: list[float], segments: list[Segment]) -> Motion:
     """Motion of the bodies when it was measured last, see `motion_of`.
 
-    The page has this as JavaScript.
+    The web page has this function as JavaScript.
     """
     velocities = [segment.group_velocity for segment in segments]
     energies = [segment.vibration_energy for segment in segments]
@@ -113,14 +120,15 @@ def final_motion(clock: Clock, masses: list[float], segments: list[Segment]) -> 
 
 
 def totals_of(finished: FrontRun) -> Totals:
-    """Totals of a finished run in SI units: masses, motions, works, and balances.
+    """Totals of a finished run in SI units: masses, motions, works, and residuals.
 
-    Errors of velocities are relative to the velocity scale, so the residuals of the
-    balances are relative to the momentum and the energy of all masses at that velocity.
+    The motions are those at t = 0 and at the end. The residuals of the balances of
+    momentum and energy are relative to scales that include the momentum and the energy
+    of all masses at the velocity scale, as errors of velocities are relative to it.
     """
     clock = finished.clock
     masses = [clock.mass(i) for i in range(len(clock.spans))]
-    total_mass = sum(mass for mass in masses if mass < math.inf)  # walls have inf
+    total_mass = sum(mass for mass in masses if mass < math.inf)  # without walls
     before = initial_motion(clock, masses, finished.segments)
     after = final_motion(clock, masses, finished.segments)
     boundary = BoundaryEffects(finished, masses, after.velocities)
@@ -140,15 +148,15 @@ def totals_of(finished: FrontRun) -> Totals:
 
 
 def momentum_residual(finished: FrontRun, total_mass: float, impulse: float) -> float:
-    """Momentum that the row gained, less the impulse from outside, over a scale.
+    """Residual of the balance of momentum: gained momentum less impulse, over a scale.
 
-    It is round-off in an exact run. `impulse` is that from outside, N s. The scale is
-    the momentum of all masses, `total_mass`, kg, at the velocity scale, plus the
-    impulses of all nodes.
+    It is round-off in an exact run. `impulse` is the impulse on the row from outside,
+    N s. The scale is the momentum of all masses, `total_mass`, kg, at the velocity
+    scale, plus the absolute impulses of all nodes.
     """
     tick = finished.clock.tick
-    # Momenta of segments are in N ticks, as impulses of nodes are:
-    # times the tick they are in N s.
+    # Momenta of segments and impulses of nodes are in N ticks: times the duration of a
+    # tick they are in N s.
     start_momentum = math.fsum(
         segment.initial_momentum for segment in finished.segments
     )
@@ -163,11 +171,12 @@ def momentum_residual(finished: FrontRun, total_mass: float, impulse: float) -> 
 def energy_residual(
     before: Motion, after: Motion, boundary: "BoundaryEffects", mass_energy: float
 ) -> float:
-    """Energy that the row gained, less works, plus what was radiated, over a scale.
+    """Residual of the balance of energy, over a scale.
 
-    It is round-off in an exact run. Energies are kinetic and vibration energies. The
-    scale is the energy at t = 0, plus `mass_energy`, that of all masses at the
-    velocity scale, J, plus the absolute works.
+    It is the gained energy, kinetic and vibration, less the works of walls and drives,
+    plus the radiated energy: round-off in an exact run. The scale is the energy at
+    t = 0, plus `mass_energy`, the kinetic energy of all masses at the velocity scale,
+    J, plus the absolute works and the absolute radiated energy.
     """
     start_energy = before.kinetic + sum(before.vibration)
     missing = after.kinetic + sum(after.vibration) - start_energy
@@ -186,21 +195,21 @@ class BoundaryEffects:
     Attributes
     ----------
     impulse : float
-        Impulse to the right, N s.
+        Impulse on the row from both ends together, positive to the right, N s.
     wall_work, drive_work : float
-        Work of moving walls and of drives, J.
+        Work of moving walls and of drives on the row, J.
     radiated : float
-        Energy that left through absorbing ends, J.
+        Energy that left through absorbing ends, less that of the waves that came in, J.
     """
 
     def __init__(
         self, finished: FrontRun, masses: list[float], velocities: Sequence[float]
     ) -> None:
-        """Add up what acted on both ends of a run, from the totals of the end nodes.
+        """Add up the effects on both ends of a run, from the totals of the end nodes.
 
-        Masses, kg, inf for a wall, and velocities, m/s, are those of the bodies. Work
-        in the laboratory is work in the frame plus velocity of the frame times impulse.
-        A free or fixed end does no work.
+        `masses`, kg, inf for a wall, and `velocities`, m/s in the laboratory, are those
+        of the bodies. Work in the laboratory is the work in the frame plus the velocity
+        of the frame times the impulse. A free or fixed end does no work.
         """
         self.impulse = 0.0
         self.wall_work = 0.0
@@ -208,8 +217,8 @@ class BoundaryEffects:
         self.radiated = 0.0
         clock = finished.clock
         for side in (0, -1):  # first and last of nodes, bodies and ends
-            # A push on the row acts to the right at its left end,
-            # to the left at its right end.
+            # A push on the row acts to the right (+) at its left end, to the left (-)
+            # at its right end.
             sign = 1 if side == 0 else -1
             impulse = sign * finished.nodes[side].impulse * clock.tick
             self.impulse += impulse
@@ -217,6 +226,7 @@ class BoundaryEffects:
             if masses[side] == math.inf:  # a wall
                 self.wall_work += impulse * velocities[side]
             elif not isinstance(end, Free | Fixed):
+                # `Node.work` is from left to right: into the row at its left end
                 work = (
                     sign * finished.nodes[side].work * clock.tick
                     + clock.frame * impulse
