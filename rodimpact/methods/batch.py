@@ -1,7 +1,7 @@
 """The state of a kernel, which members of a family use one after the other.
 
-Plain Python runs on lists of objects until machine code pays: then all goes on in
-arrays of records.
+Plain Python runs on lists of objects. Once machine code pays, the lists become arrays
+of records, and machine code goes on with them.
 """
 
 from collections.abc import Mapping
@@ -23,16 +23,16 @@ class Batch(Generic[StateT]):
     Parameters
     ----------
     kernel : function
-        It takes the state. All that it changes is in the state: called again, it goes
-        on.
+        It takes the state, and changes nothing else, so that a further call goes on
+        from there.
     state : StateT
-        In machine code of arrays, else of lists of objects.
+        Its fields are arrays for machine code, or lists for plain Python.
     record_types : dict of str to dtype
-        Types of the records of the state, by field; its other fields are numbers.
+        Types of the records of the state, by field; other fields have numbers.
     is_compiled : bool
-        Whether the state is one for machine code.
+        Whether the fields of the state are arrays, for machine code.
     user_laws : tuple of (int, function)
-        Functions of the user that the kernel calls.
+        Functions of the user that the kernel calls, by number.
     """
 
     def __init__(
@@ -52,9 +52,9 @@ class Batch(Generic[StateT]):
         self.user_laws = user_laws
 
     def run(self) -> Any:
-        """Run the kernel on the state, in the form that it has, and change the state.
+        """Run the kernel on the state, which changes; return the result of the kernel.
 
-        Return what the kernel returns.
+        Arrays run in machine code, lists in plain Python.
         """
         kernel: Any
         if self.is_compiled:
@@ -64,14 +64,15 @@ class Batch(Generic[StateT]):
         return kernel(self.state)
 
     def choose_form(self, seconds: float) -> None:
-        """Make the state arrays for machine code, or lists for plain Python.
+        """Convert the state to arrays for machine code, or to lists for plain Python.
 
-        `seconds` is what the next run takes in plain Python. `worth_compiling` adds it
-        to the seconds of earlier runs of this kernel: once they pay for compiling,
-        machine code runs. With a law of the user that numba has not compiled, plain
-        Python always runs. A state that has its form already stays as it is.
+        `seconds` is the time of the next run in plain Python. `worth_compiling` adds it
+        to the time of earlier runs of this kernel; once the sum pays for compiling,
+        machine code is chosen. If a law of the user is not compiled, plain Python is
+        chosen. A state in the chosen form already is not changed.
         """
-        use_arrays = False  # machine code cannot call functions that are not compiled
+        use_arrays = False
+        # Machine code cannot call functions that numba has not compiled.
         if compiling.can_be(self.user_laws):
             use_arrays = kernels.worth_compiling(seconds, self.kernel)
         if use_arrays and not self.is_compiled:
@@ -80,19 +81,13 @@ class Batch(Generic[StateT]):
             self.to_lists()
 
     def to_arrays(self) -> None:
-        """Make arrays of all fields of the state.
-
-        From now on machine code runs on them.
-        """
+        """Convert all fields of the state to arrays, on which machine code runs."""
         arrays = {name: self.array(name) for name in self.state._fields}
         self.state = type(self.state)(**arrays)
         self.is_compiled = True
 
     def to_lists(self) -> None:
-        """Make lists of all fields of the state.
-
-        From now on plain Python runs on them.
-        """
+        """Convert all fields of the state to lists, on which plain Python runs."""
         lists = {name: self.objects(name) for name in self.state._fields}
         self.state = type(self.state)(**lists)
         self.is_compiled = False
@@ -100,8 +95,8 @@ class Batch(Generic[StateT]):
     def array(self, name: str) -> Any:
         """The field `name` of the state as an array of numbers or records.
 
-        It is the array of the state itself if the state is compiled, else a copy of the
-        list. A list of lists of records, one list a member and all of one length,
+        If the state has arrays, it is the array of the state itself, otherwise a new
+        array. A list of lists of records, one list a member and all of the same length,
         becomes an array [member, i]. The state is not changed.
         """
         values: Any = getattr(self.state, name)
@@ -110,14 +105,15 @@ class Batch(Generic[StateT]):
         if name not in self.record_types:  # numbers
             return np.array(values)
         record = self.record_types[name]
-        if values and isinstance(values[0], list):  # a list of records for each member
+        if values and isinstance(values[0], list):  # one list of records a member
             return np.array([as_records(objects, record) for objects in values])
         return as_records(values, record)
 
     def objects(self, name: str) -> list[Any]:
-        """The field `name` of the state as a list: of numbers, or objects for records.
+        """The field `name` of the state as a list of numbers or objects (records).
 
-        It is the list of the state itself, or a copy if the state is compiled.
+        If the state has lists, it is the list of the state itself, otherwise a new
+        list.
         """
         values: Any = getattr(self.state, name)
         if self.is_compiled:
@@ -126,10 +122,11 @@ class Batch(Generic[StateT]):
         return objects
 
     def lengthen(self, *names: str) -> None:
-        """Replace these fields of records in the state by longer ones.
+        """Replace fields of records in the state, given by name, by longer ones.
 
-        Lists become twice as long, arrays four times. The records come first; those
-        behind them are blank in a list, and not set in an array.
+        A list becomes twice as long, an array four times. The present records are
+        followed by blank records in a list, and by records that are not set in an
+        array.
         """
         longer = {}
         for name in names:

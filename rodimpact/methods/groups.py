@@ -1,7 +1,6 @@
-"""Bodies that are bonded or joined together.
+"""Groups of bodies that are bonded or joined together, and their common velocities.
 
-This finds which they are, and their common velocity. The page has `body_velocities` and
-what it calls as JavaScript.
+The web page has `body_velocities`, and the functions that it calls, as JavaScript.
 """
 
 from collections.abc import Callable
@@ -14,20 +13,25 @@ from .row_builder import build_row, split_at
 
 
 def groups(system: Any) -> list[list[int]]:
-    """Bodies that are bonded or joined together, from left to right."""
+    """Groups of bonded or joined bodies from left to right: lists of body numbers.
+
+    A body that is bonded or joined to no other is a group of one.
+    """
+    # `opens` says whether the contact with this law can open.
     return split_at([law.opens for law in system.contacts])
 
 
 def unilateral(system: Any) -> list[int]:
-    """Contacts that can open."""
+    """Numbers of the contacts that can open."""
     return [k for k, law in enumerate(system.contacts) if law.opens]
 
 
 def anchor_velocities(system: Any, group: list[int]) -> list[Any]:
     """Velocities of the walls and fixed ends that hold a group, m/s.
 
-    They come from left to right, two at most, none if nothing holds the group. That of
-    a fixed end is 0. `group` has the numbers of its bodies, walls included.
+    The list, from left to right, has at most two entries, and none if nothing holds the
+    group. The velocity of a fixed end is 0. `group` has the numbers of the bodies of
+    the group, including walls.
     """
     velocities: list[Any] = []
     for side, i in enumerate([0, len(system.bodies) - 1]):  # first and last body
@@ -43,41 +47,42 @@ def velocities_in_group(
 ) -> list[Any]:
     """Velocities of the bodies of a group, m/s, one a body from left to right.
 
-    If no wall or fixed end holds the group, all have its mean velocity. Walls, and
-    masses bonded to them, have the velocity of their wall. The others have that of what
-    holds the group. Where it is held on both sides, at different velocities, they have
-    the mean: they swing about neither.
+    If no wall or fixed end (an anchor) holds the group, all bodies have its mean
+    velocity. Otherwise walls, and masses bonded to them, have the velocity of their
+    wall. The bodies that can move have the velocity of the anchor. If the group has two
+    anchors with different velocities, they have the mean velocity of the group, as they
+    vibrate about neither anchor.
 
     Parameters
     ----------
     system : System
     group : list of int
-        Numbers of its bodies, walls included.
+        Numbers of the bodies of the group, including walls.
     inside : list of int
-        Those of them that can move against the walls: neighbours, and none in a lone
-        wall.
+        Numbers of the bodies in the group that can move relative to the walls. They are
+        neighbours; empty if the group has only walls and masses bonded to them.
     mean : float or array
-        Momentum over mass of those inside, m/s.
+        Momentum over mass of the bodies in `inside`, m/s.
     """
     anchors = anchor_velocities(system, group)
     if len(anchors) == 0:
         return [mean for _ in group]
     if len(inside) > 0:
         moving = inside
-    else:  # walls and what is bonded to them alone
+    else:  # no body can move: all get the velocity of the anchor
         moving = group
-    # Velocity of those that can move
+    # Velocity of the bodies that can move
     if len(anchors) == 2:
-        # In a family each member decides. Adding 0 makes a number of an array of no
-        # dimension.
+        # `np.where` chooses for each member of a family. Adding 0 turns an array
+        # without dimensions into a number.
         shared = np.where(anchors[0] == anchors[1], anchors[0], mean) + 0.0
     else:
         shared = anchors[0]
     velocities = []
     for i in group:
-        if i < moving[0]:  # the left wall, or bonded to it
+        if i < moving[0]:  # the left wall, or a mass bonded to it
             velocities.append(anchors[0])
-        elif i > moving[-1]:  # the right one
+        elif i > moving[-1]:  # the right wall, or a mass bonded to it
             velocities.append(anchors[-1])
         else:
             velocities.append(shared)
@@ -85,14 +90,14 @@ def velocities_in_group(
 
 
 def movable(system: System) -> list[int]:
-    """Numbers of the bodies that can move against the walls, in order.
+    """Numbers of the bodies that can move relative to the walls, in order.
 
-    They are all but the walls and the masses bonded to them.
+    They are all bodies except walls and the masses bonded to walls.
     """
     row = build_row(system)
     bodies = []
-    # `mass_of` has -1 for a rod or a wall, and numbers behind those of the masses for
-    # what is bonded to a wall.
+    # `mass_of` is -1 for a rod or a wall, and len(row.masses) or more for a mass bonded
+    # to a wall.
     for i, mass in enumerate(row.mass_of):
         is_free_mass = 0 <= mass < len(row.masses)
         if system.bodies[i].kind == "rod" or is_free_mass:
@@ -101,16 +106,17 @@ def movable(system: System) -> list[int]:
 
 
 def without_walls(system: Any, group: list[int]) -> list[int]:
-    """Numbers of the bodies of a group that are no walls."""
+    """The entries of `group`, body numbers, that are not numbers of walls."""
     return [i for i in group if system.bodies[i].kind != "wall"]
 
 
 def body_velocities(system: Any, means: list[Any]) -> list[Any]:
-    """Velocities of all bodies, walls included, m/s.
+    """Velocities of all bodies, including walls, m/s.
 
-    Each is the mean of its group, or that of the wall or fixed end that holds the
-    group; see `velocities_in_group`. `means` has the mean velocity of each group of
-    bonded or joined bodies, m/s.
+    Each is the mean velocity of the group of the body, or the velocity of the wall or
+    fixed end that holds the group; see `velocities_in_group`. `means` has the mean
+    velocity of each group of bonded or joined bodies, m/s; that of a lone wall is not
+    used. In a family velocities may be arrays.
     """
     velocities = []
     for g, group in enumerate(groups(system)):
@@ -122,9 +128,8 @@ def body_velocities(system: Any, means: list[Any]) -> list[Any]:
 def first_segments_of_groups(system: Any, spans: Any) -> list[int]:
     """The first segment of each group of bonded or joined bodies, counted from 1.
 
-    It is that of its first body that is no wall. A lone wall has no segment: what is
-    returned for it, the first entry of its span, has no meaning, and its velocity is
-    its own.
+    It is the first segment of the first body of the group that is not a wall. A lone
+    wall has no segment: its entry is 1, and has no meaning.
 
     Parameters
     ----------
@@ -150,35 +155,37 @@ def fill_bonds(
     inertia_force: Callable[[int], Any],
     pushed: Any,
 ) -> list[Any]:
-    """Return the forces of all contacts, also those between bonded rigid bodies.
+    """Return the forces of all contacts, including bonds between rigid bodies.
 
-    By Newton's law the force on the right of a rigid body is that on its left less m
-    dv/dt. So an unknown force follows from the one before, the first one from `pushed`.
-    In a row with a wall on the left it is not known what pushes the wall: there the
-    forces before the first known one follow from the one behind each. If none is known,
-    the first one follows from `pushed` all the same. The argument `forces` is not
-    changed.
+    By Newton's law, the force on the right of a rigid body is the force on its left
+    minus m dv/dt. So an unknown force follows from the force on its left, and that of
+    the first contact from `pushed`. But if the first body is a wall, the force on its
+    left is unknown: then the unknown forces before the first known force follow from
+    the right. If no force is known, they follow from `pushed` even so. The argument
+    `forces` is not changed.
 
     Parameters
     ----------
     system : System
     forces : list of signals
-        By contact, N; None, an unknown force, between bonded rigid bodies.
+        Force of each contact, N; None, an unknown force, for a bond between rigid
+        bodies.
     inertia_force : function
-        Mass times acceleration of the body of this number, a signal, N.
+        Takes the number of a body, and returns the signal of its mass times
+        acceleration, N.
     pushed : signal
-        Force of what is outside the left end, N.
+        Force from outside on the left end, N.
     """
     filled = [*forces]
-    is_rigid = [force is None for force in forces]  # a bond of rigid bodies
+    is_unknown = [force is None for force in forces]
     first = 0  # first contact whose force does not follow from the right
-    if isinstance(system.bodies[0], Wall) and False in is_rigid:
-        first = is_rigid.index(False)
+    if isinstance(system.bodies[0], Wall) and False in is_unknown:
+        first = is_unknown.index(False)  # the first known force
     # Contact k lies between the bodies k and k + 1.
-    for k in range(first - 1, -1, -1):  # from the first known force to the wall
+    for k in range(first - 1, -1, -1):  # from there back to the wall
         filled[k] = filled[k + 1] + inertia_force(k + 1)
     for k in range(first, len(filled)):
-        if is_rigid[k]:
+        if is_unknown[k]:
             from_left = filled[k - 1] if k > 0 else pushed
             filled[k] = from_left - inertia_force(k)
     return filled

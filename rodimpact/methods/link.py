@@ -1,9 +1,10 @@
 """The link of a row, as numbers for kernels.
 
-It is a contact, a joint, a bond, or the push on an end. A link has the numbers of its
-law, each with one meaning, whatever the method. A contact law states in its class which
-of them it fills, and by which branch of the kernels it acts (`acts_as`). Methods append
-fields of their own to `LINK`: what a link does during a run.
+A link is a contact, a joint, a bond, or the push on an end. It has the numbers of its
+law, each with the same meaning in all methods. The class of a contact law states which
+of these numbers the law sets (`fills_link`), and which branch of the kernels it uses
+(`acts_as`). Methods append fields of their own to `LINK`, for the state of a link
+during a run.
 """
 
 from enum import IntEnum
@@ -15,20 +16,20 @@ from .record_lists import blank, dtype_of
 
 
 class Law(IntEnum):
-    """What acts in a link.
+    """The kind of law of a link.
 
-    The order counts: <= PUSH_RIGHT is no law of an overlap, but a bond or a given
-    force; >= JOINT lets its two neighbours move against each other, so that it has an
-    overlap or a gap; >= RIGID is a contact that can open; >= SPRING is one whose force
-    follows from its overlap; > SPRING is one whose force is not that of a spring.
+    The order has a meaning. <= PUSH_RIGHT: a bond or a given force. >= JOINT: the two
+    neighbours can move relative to each other, so that there is an overlap or a gap.
+    >= RIGID: a contact that can open. >= SPRING: a contact whose force follows from its
+    overlap. > SPRING: such a contact with another law than a spring.
     """
 
     BOND = 0
-    PUSH_LEFT = 1  # the force of what stands outside the left end, none at a free one
-    PUSH_RIGHT = 2
+    PUSH_LEFT = 1  # a given force on the left end, 0 at a free end
+    PUSH_RIGHT = 2  # the same at the right end
     JOINT = 3
     RIGID = 4
-    IMPACT = 5  # rigid bodies exchange momentum at once
+    IMPACT = 5  # rigid bodies that exchange momentum instantly
     SPRING = 6
     POWER = 7
     YIELD = 8
@@ -38,22 +39,25 @@ class Law(IntEnum):
 class Link:
     """Numbers of a link; in a family they are arrays.
 
-    Of what yields, the numbers are those of now: yielding raises the yield force, and
-    goes on along the next line of a table.
+    For a yielding contact the yield force and the next line of its table change during
+    a run.
     """
 
     law: int  # kind of law, `Law`: the branch of the kernels
     gap: float  # distance of the two faces at t = 0, m; below 0 an overlap
-    stretch: float  # s of a joint at t = 0, m
-    stiffness: float  # k, N/m; N/m^p for a power
+    stretch: float  # stretch of a joint at t = 0, m
+    stiffness: float  # k, N/m; N/m^p for a power law
     exponent: float  # p of the force k d^p
-    # c of a dashpot (JOINT, SPRING), N s/m; else chi of Hunt and Crossley, s/m
+    # c of a dashpot (JOINT, SPRING), N s/m; for other laws chi of Hunt and Crossley,
+    # s/m
     damping: float
     restitution: float  # e of an impact between rigid bodies
-    yield_force: float  # force from which on the contact yields, N
+    yield_force: float  # force at which the contact yields, N
     hardening_share: float  # slope of the force while it yields, over the stiffness
-    knots: Annotated[list[float], f"{KNOTS}f8"]  # forces at which lines begin, N
-    shares: Annotated[list[float], f"{KNOTS}f8"]  # their slopes, over the stiffness
+    knots: Annotated[list[float], f"{KNOTS}f8"]  # forces at which further lines of the
+    # table begin, N
+    shares: Annotated[list[float], f"{KNOTS}f8"]  # slopes of these lines, over the
+    # stiffness
 
 
 LINK = dtype_of(Link)
@@ -69,7 +73,7 @@ FILLED = {name: law.fills_link for name, law in ALL_LAWS.items()}
 
 
 def link_of(law: int) -> Any:
-    """A new link of this kind of law: its exponent is 1, its other numbers are 0."""
+    """Make a link with this kind of law, the exponent 1, and all other numbers 0."""
     link = blank(1, LINK)[0]
     link.law = law
     link.exponent = 1.0
@@ -77,18 +81,19 @@ def link_of(law: int) -> Any:
 
 
 def link_of_contact(law: Any, gap: Any) -> Any:
-    """The link of a contact with this law; `gap` in m.
+    """Make the link of a contact with this contact law; `gap` in m.
 
-    It has those attributes of the law that its class names as numbers of a link; its
-    other numbers are those of `link_of`. A rigid contact with a restitution is an
-    impact (IMPACT). The page of `explorer` has this function as JavaScript.
+    The attributes of the law that its class lists in `fills_link` become fields of the
+    link; its other numbers are those of `link_of`. A rigid contact with a coefficient
+    of restitution gets the kind IMPACT. The web page has this function as JavaScript.
     """
-    link = link_of(KINDS[law.law])  # law.law is the name of its kind
+    link = link_of(KINDS[law.law])  # law.law is the name of the contact law
     link.gap = gap
-    # Fields of the link have the names of the law's attributes.
+    # The attributes of the law and the fields of the link have the same names.
     for name in FILLED[law.law]:
         setattr(link, name, getattr(law, name))
-    # Only a contact of two rigid bodies may have a restitution: waves decide elsewhere.
+    # Only a contact of two rigid masses can have a given restitution; beside a rod it
+    # follows from the waves.
     if link.law == Law.RIGID and law.restitution is not None:
         link.law = Law.IMPACT
         link.restitution = law.restitution
@@ -96,16 +101,17 @@ def link_of_contact(law: Any, gap: Any) -> Any:
 
 
 def in_steps(links: Any, step: float) -> dict[str, Any]:
-    """Fields of links that change where time is counted in steps, by name; `step` in s.
+    """Fields of links that change if time is counted in steps, by name; `step` in s.
 
-    Velocities stay in m/s, so that lengths d become x = d/step, m/s; forces stay in N.
-    The stiffness k of a force k d^p becomes k step^p, and the gap that of a contact, or
-    the stretch of a joint, over the step. Damping stays, as it multiplies a velocity.
-    Both fields are new arrays, [link].
+    Velocities remain in m/s and forces in N, and a length d becomes x = d/step, m/s. So
+    the stiffness k of a force k d^p becomes k step^p. The field "gap" becomes the gap
+    of a contact, or the stretch of a joint, divided by the step. The damping does not
+    change, as it multiplies a velocity. Both fields are new arrays, [link]; `links` is
+    not changed.
     """
     return {
         "stiffness": links["stiffness"] * step ** links["exponent"],
-        "gap": (links["gap"] + links["stretch"]) / step,  # one of them is 0
+        "gap": (links["gap"] + links["stretch"]) / step,  # gap or stretch is 0
     }
 
 

@@ -1,10 +1,11 @@
-"""How much memory a run may take.
+"""Limits of the memory of a run.
 
-It is checked before it is taken, and refused with the figure. What a method takes it
-counts itself, at its largest: the arrays of its kernel, the record made of them, and
-the copies that results need. The limit is the same on all but small machines, so that a
-search for an accurate step ends at the same step on each. Runs side by side in threads
-have it too, but those that take more than their share of it go one after the other.
+Memory is checked before it is allocated, and the error of a refused run states its
+size. Each method counts the largest memory that it needs at a time: the arrays of its
+kernel, the record made from them, and the copies that results need. The limit is the
+same on all but small machines, so that a search for an accurate step ends at the same
+step on each of them. It also holds for parallel runs in threads, but of runs that need
+more than their share, only one runs at a time.
 """
 
 import math
@@ -14,22 +15,23 @@ import threading
 from ..model.frozen import InvalidModel
 
 MAX_BYTES = 2e9
-"""Memory that a run may take: a fixed number, so that searches end alike everywhere."""
+"""Largest memory of a run: a fixed number, so that searches end alike everywhere."""
 SHARE = 1 / 4
-"""Part of the machine's memory for a run, where that is less than `MAX_BYTES`."""
+"""Part of the machine's memory for a run, if this is less than `MAX_BYTES`."""
 
-_turn = threading.Lock()  # held by the one thread that takes more than its share
+_turn = threading.Lock()  # held by the thread that may take more than its share
 _thread = threading.local()
-"""What a thread that `limit_to_share` has limited may take.
+"""Limit of the present thread, if `limit_to_share` has set one.
 
-It has its `share`, bytes, and whether it `has_turn`. Other threads have neither.
+Its attributes are `share`, in bytes, and `has_turn`, whether the thread holds `_turn`.
+A thread without a limit has no attributes.
 """
 
 
 def _new_turns() -> None:
-    """Begin turns anew in a forked child.
+    """Make a new lock of turns in a forked child.
 
-    The thread whose turn it was is missing there.
+    The old lock may be held by a thread that does not exist in the child.
     """
     global _turn
     _turn = threading.Lock()
@@ -41,14 +43,14 @@ if hasattr(os, "register_at_fork"):
 
 
 class TooLong(InvalidModel):
-    """A run takes more steps than there is memory for."""
+    """A run needs more memory than it may take."""
 
     size: str = ""
-    """What takes the memory, and how much: the message without its remedy."""
+    """The message without its remedy: the work, its memory and the limit."""
 
 
 def installed() -> float:
-    """Bytes of memory that this machine has; inf if the system does not say."""
+    """Memory of this machine, bytes; inf if the operating system does not state it."""
     try:
         return float(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
     except (AttributeError, ValueError, OSError):
@@ -56,30 +58,31 @@ def installed() -> float:
 
 
 def max_numbers() -> float:
-    """Numbers of 8 bytes that a run may keep."""
+    """Largest count of numbers of 8 bytes that a run may keep."""
     return min(MAX_BYTES, SHARE * installed()) / 8
 
 
 def require_memory(numbers: float, field: str, work: str, remedy: str) -> None:
-    """Raise TooLong where so many numbers of 8 bytes are more than `max_numbers`.
+    """Raise TooLong if a run needs more memory than it may take; nothing is allocated.
 
-    A thread that is limited to a share, see `limit_to_share`, waits here for its turn
-    if it needs more than that, and has the turn until `end_turn`. Nothing is
-    allocated.
+    A thread with a limit, see `limit_to_share`, that needs more than its share waits
+    here for its turn, and keeps the turn until `end_turn`.
 
     Parameters
     ----------
     numbers : float
+        Count of the numbers of 8 bytes that the run needs.
     field : str
-        Path of the error: the argument that is to be changed.
+        Path of the error: the argument that the user should change.
     work : str
-        What takes the memory, for the message.
+        The work that needs the memory, for the message.
     remedy : str
         Advice, for the message.
 
     Raises
     ------
     TooLong
+        If `numbers` exceeds `max_numbers`.
     """
     most = max_numbers()
     if numbers > most:
@@ -90,16 +93,15 @@ def require_memory(numbers: float, field: str, work: str, remedy: str) -> None:
         error = TooLong([(field, f"{size}; {remedy}")])
         error.size = size
         raise error
-    share = getattr(_thread, "share", math.inf)  # bytes
-    # A thread that has a share has `has_turn` as well;
-    # without a share nothing is more than inf.
+    share = getattr(_thread, "share", math.inf)  # bytes; inf without a limit
+    # `has_turn` exists if there is a limit. Otherwise the first condition is false.
     if 8 * numbers > share and not _thread.has_turn:
         _turn.acquire()
         _thread.has_turn = True
 
 
 class LargeFile(MemoryError):
-    """A file takes more memory than there is for it."""
+    """A file needs more memory than it may take."""
 
     def __init__(self, path: str, message: str) -> None:
         self.problems = [(path, message)]
@@ -107,9 +109,10 @@ class LargeFile(MemoryError):
 
 
 def check_file(path: object, size: float, remedy: str) -> None:
-    """Raise LargeFile where a file takes over half of this machine's memory.
+    """Raise LargeFile if a file needs more than half of this machine's memory.
 
-    It takes up to `size` bytes. `remedy` is advice, for the message.
+    `path` is that of the file, `size` the memory that it needs at most, in bytes, and
+    `remedy` advice for the message.
     """
     if size > installed() / 2:
         taken = f"takes up to {size / 1e9:.3g} GB of memory, more than half of the"
@@ -117,20 +120,20 @@ def check_file(path: object, size: float, remedy: str) -> None:
 
 
 def limit_to_share(threads: int) -> None:
-    """Limit this thread to its part of what all `threads` may take together.
+    """Limit this thread to its share of a quarter of the machine's memory.
 
-    A thread that needs more waits in `require_memory` until no other thread takes more;
-    its turn lasts until `end_turn`. All together take half of the machine's memory at
-    most.
+    The quarter is divided by the number of threads. A thread that needs more than its
+    share waits in `require_memory` until no other thread takes more; its turn lasts
+    until `end_turn`. So all threads together take at most half of the memory.
     """
     _thread.share = SHARE * installed() / threads
     _thread.has_turn = False
 
 
 def end_turn() -> None:
-    """End the turn of this thread, if it has it.
+    """End the turn of this thread, so that another may take more than its share.
 
-    Then another may take more than its share.
+    If the thread does not have the turn, nothing happens.
     """
     if getattr(_thread, "has_turn", False):
         _thread.has_turn = False

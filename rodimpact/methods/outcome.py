@@ -1,9 +1,8 @@
-"""The numbers of which an outcome is made.
+"""The totals from which an outcome is made: motions, works and residuals.
 
-They are motion before and after, works, and what is missing.
-
-Each method hands over these records, or they are read off its fields; `results.outcome`
-makes the `Outcome` of them. The page uses `Motion` in JavaScript.
+A method returns these records, or they are computed from its fields;
+`results.outcome` makes the `Outcome` from them. The web page uses `Motion` in
+JavaScript.
 """
 
 from collections.abc import Sequence
@@ -16,12 +15,12 @@ class Motion(NamedTuple):
     Attributes
     ----------
     velocities : [body] sequence of float
-        Velocities of the centres of mass, m/s; that of its group for a body bonded to
-        others.
+        Velocities of the centres of mass, m/s; a body that is bonded to others has the
+        velocity of its group.
     vibration : [body] sequence of float
-        Energy of the motion relative to these velocities, and of strain, J.
+        Kinetic energy relative to these velocities, plus strain energy, J.
     kinetic : float
-        Energy of the motion of the centres of mass, J; walls not counted.
+        Kinetic energy of all bodies at these velocities, J, without walls.
     """
 
     velocities: Sequence[float]
@@ -30,9 +29,9 @@ class Motion(NamedTuple):
 
 
 class Works(NamedTuple):
-    """Works and losses over a run, and what contacts store, J.
+    """Works and losses over a run, and energies stored in contacts, J.
 
-    `Outcome` has the same names.
+    `Outcome` has the same names, and explains them.
     """
 
     wall_work: float = 0.0
@@ -49,7 +48,7 @@ class Works(NamedTuple):
 
 
 class Totals(NamedTuple):
-    """All that an outcome is made of.
+    """All numbers from which an outcome is made.
 
     Attributes
     ----------
@@ -58,7 +57,8 @@ class Totals(NamedTuple):
     before, after : Motion
     works : Works
     momentum_residual, energy_residual : float
-        What is missing in the balances at the end, relative to what took part in them.
+        Errors of the balances of momentum and energy over the run, relative to the
+        amounts in them.
     """
 
     masses: Sequence[float]
@@ -70,10 +70,7 @@ class Totals(NamedTuple):
 
 
 def relative_residual(missing: float, scale: float) -> float:
-    """What is missing in a balance over what took part in it, `scale`.
-
-    It is 0 where nothing did.
-    """
+    """Error of a balance, `missing`, divided by its scale; 0 if the scale is 0."""
     if scale > 0:
         return missing / scale
     return 0.0

@@ -1,9 +1,8 @@
 """Lists of records, on which kernels work.
 
-They are structured arrays or lists of small objects. A record class names its fields
-with their types. In machine code a list of records is a structured array, in plain
-Python a list of objects with the same fields: attributes of an object are read faster
-than fields of an array's element.
+A record class names its fields and their types. In machine code a list of records is a
+structured array. In plain Python it is a list of small objects with the same fields,
+since reading an attribute of an object is faster than reading a field of an array.
 """
 
 import dataclasses
@@ -15,20 +14,20 @@ from typing import Any
 
 import numpy as np
 
-GROWTH_OF_LISTS = 2
-GROWTH_OF_ARRAYS = 4  # what an array has room for takes no memory until it is set
+GROWTH_OF_LISTS = 2  # factor by which `lengthened` makes a list longer
+GROWTH_OF_ARRAYS = 4  # larger, as new entries of an array take no memory until set
 
 
 def dtype_of(record: type) -> np.dtype[Any]:
-    """Return the structured type of numpy of a record class, with aligned fields.
+    """Return the structured dtype of a record class, with aligned fields.
 
-    It has a field for each annotated name, in order. What a field is in an array stands
-    in its annotation: ``tick: int``, or where that differs from what it is in plain
-    Python, ``line: Annotated[int, "i4"]``.
+    It has a field for each annotated name, in order. The type of a field in an array is
+    its annotation, ``tick: int``. If it differs from the type in plain Python, it is
+    the second part of an ``Annotated``, ``line: Annotated[int, "i4"]``.
     """
     fields = []
     for name, hint in typing.get_type_hints(record, include_extras=True).items():
-        # The one thing behind the type in `Annotated`, or else the type itself
+        # `__metadata__` of Annotated[int, "i4"] is ("i4",); other types have none.
         (kind,) = getattr(hint, "__metadata__", (hint,))
         fields.append((name, kind))
     return np.dtype(fields, align=True)
@@ -36,15 +35,15 @@ def dtype_of(record: type) -> np.dtype[Any]:
 
 @functools.cache
 def _object_class(record: Any) -> Any:
-    """A class with the fields of a structured dtype: numbers and lists of numbers.
+    """Make a class with the fields of a structured dtype: numbers and lists of numbers.
 
-    Called without arguments it makes an object with all of them 0; its arguments are
-    the fields in order. Each dtype has one class.
+    The arguments of the class are the fields in order; a field that is not given is 0,
+    or a list of zeros. The same dtype always gives the same class.
     """
     fields = []
     for name in record.names:
         make_zero = np.zeros((), record[name]).tolist  # makes a number, or a new list
-        if record[name].subdtype:  # the field is an array: each object has its own list
+        if record[name].subdtype:  # an array field: each object needs its own list
             default = dataclasses.field(default_factory=make_zero)
         else:
             default = make_zero()
@@ -53,9 +52,9 @@ def _object_class(record: Any) -> Any:
 
 
 def blank(count: int, record: Any) -> list[Any]:
-    """Return objects with the fields of a record, all 0.
+    """Return a list of `count` objects with the fields of the dtype `record`, all 0.
 
-    Fields are numbers and lists of numbers.
+    The fields are numbers and lists of numbers.
     """
     make = _object_class(record)
     return [make() for _ in range(count)]
@@ -64,15 +63,16 @@ def blank(count: int, record: Any) -> list[Any]:
 def as_objects(records: Any) -> list[Any]:
     """Return a copy of an array as a list, for plain Python.
 
-    An array of records becomes a list of small objects with the same fields, those that
-    are arrays as lists; one of numbers becomes a list of numbers.
+    An array of records becomes a list of small objects with the same fields; array
+    fields become lists. An array of numbers becomes a list of numbers, nested if it has
+    several dimensions.
     """
     record = records.dtype
-    if record.names is None:
+    if record.names is None:  # numbers
         return records.tolist()  # type: ignore[no-any-return]
     make = _object_class(record)
-    # Fields that are arrays become lists of their own;
-    # without any, whole records are faster.
+    # Array fields must become lists, so that each field is converted by itself. Without
+    # array fields it is faster to convert whole records.
     if any(record[name].subdtype for name in record.names):
         columns = [records[name].tolist() for name in record.names]
         return list(map(make, *columns))
@@ -80,31 +80,34 @@ def as_objects(records: Any) -> list[Any]:
 
 
 def as_records(objects: list[Any], record: Any) -> Any:
-    """Return a list of `as_objects` as a new array of the dtype `record`."""
+    """Return a list of objects or numbers as a new array of the dtype `record`.
+
+    It is the inverse of `as_objects`.
+    """
     rows = objects
     if record.names:  # records, not numbers
-        # This makes a tuple: records have two fields or more.
+        # With at least two names, as all records have, the result is a tuple.
         fields_of = operator.attrgetter(*record.names)
         rows = list(map(fields_of, objects))
     return np.array(rows, record)
 
 
 def lengthened(records: Any, record: Any) -> Any:
-    """Return records with room for more behind them, as a new list or array.
+    """Return the records followed by new ones, as a new list or array.
 
-    Behind the objects of a list, which are not copied, are as many blank ones again;
-    behind the records of an array three times as many that are not set. `record` is
-    their dtype.
+    A list becomes twice as long: its objects, which are not copied, are followed by
+    blank ones. An array becomes four times as long: copies of its records are followed
+    by records that are not set. `record` is the dtype.
     """
     if isinstance(records, list):
         return records + blank((GROWTH_OF_LISTS - 1) * len(records), record)
     longer = np.empty(GROWTH_OF_ARRAYS * len(records), record)
-    raw = f"V{record.itemsize}"  # copied as bytes: field by field takes longer
+    raw = f"V{record.itemsize}"  # plain bytes: numpy copies field by field otherwise
     longer.view(raw)[: len(records)] = records.view(raw)
     return longer
 
 
 def joined(first: Any, second: Any) -> Any:
-    """Return two arrays of one kind as one."""
-    raw = f"V{first.dtype.itemsize}"  # joined as bytes: field by field takes longer
+    """Return a new array of the entries of two arrays of the same dtype."""
+    raw = f"V{first.dtype.itemsize}"  # plain bytes, as in `lengthened`
     return np.concatenate((first.view(raw), second.view(raw))).view(first.dtype)

@@ -1,6 +1,6 @@
 """The effective coefficient of restitution of a single contact, or why there is none.
 
-The page has this as JavaScript.
+The web page has this as JavaScript.
 """
 
 import math
@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 
 PARTING_RTOL = 2.0**-40
-"""Parting velocity over closing velocity up to which bodies stay together.
+"""Parting velocity over closing velocity up to which bodies count as staying together.
 
-It is 256 times the tolerance of a front, and a fifth of the least ratio of two transit
-times that a clock holds, so of the least e of a pair.
+It is 256 times the relative tolerance of a front. The least e of a pair of rods is the
+least ratio of two transit times in a clock, which is five times larger.
 """
 
 
@@ -27,10 +27,10 @@ def no_restitution(
 ) -> str:
     """Why there is no coefficient of restitution; empty if there is one.
 
-    There is one if exactly one contact can open, nothing else changes velocities, the
-    contact pressed, the collision is over, and the centres of mass approached each
-    other before. The sentence tells the first of these that fails. It ends without a
-    full stop, unless it ends with `status`.
+    There is one if all of these conditions hold: exactly one contact can open, nothing
+    else changes velocities, the contact pressed, the collision is over, and the centres
+    of mass approached each other before. The sentence states the first condition that
+    fails. It ends without a full stop, unless it ends with `status`.
 
     Parameters
     ----------
@@ -45,7 +45,8 @@ def no_restitution(
     final : bool
         Whether the collision is over.
     status : str
-        Why the run ended.
+        Sentence that says why the run ended; quoted if the contact did not press though
+        the bodies approach each other, and if the collision is not over.
     """
     if len(unilateral) == 0:
         return "restitution is undefined: no contact of this row can open"
@@ -86,25 +87,26 @@ def effective_restitution(
 ) -> Any:
     """e = (V2+ - V1+)/(V1- - V2-) of one contact; arrays broadcast.
 
-    It is nan where the collision is not over, the contact never pressed, or the centres
-    did not approach each other before. After their last contact bodies do not approach
-    each other: where they seem to, or part by no more than round-off, as when a bar
-    without end is pushed for ever, they stay together: e is 0.
+    It is nan if the collision is not over, the contact never pressed, or the centres of
+    mass did not approach each other before. It is 0 if the bodies part by no more than
+    round-off, or seem to approach each other after their last contact: then they stay
+    together, as when a semi-infinite bar is pushed for ever.
 
     Parameters
     ----------
     final, episodes
-        Whether the collision is over, and how often the contact pressed.
+        Whether the collision is over, and how many times the contact pressed.
     before, after : pair
         Velocities of the left and of the right centre of mass, m/s.
     """
     closing = before[0] - before[1]
     parting = after[1] - after[0]
-    # Where `closing` is not positive the result is nan; 1 avoids a division by 0.
+    # If `closing` is not positive the result is nan; 1 avoids a division by 0.
     e = parting / np.where(closing > 0, closing, 1.0)
     largest = np.maximum(np.abs(after[0]), np.abs(after[1]))
-    # Both must hold: * is "and" for arrays of True and False, and on the page too.
-    parted = (e > PARTING_RTOL) * (parting > 2 * np.spacing(largest))
-    # Where there is a coefficient
-    defined = final * (episodes > 0) * (closing > 0)
+    # Two units in the last place: round-off of a difference of two velocities
+    round_off = 2 * np.spacing(largest)
+    # The product of truth values means "and", also on the web page.
+    parted = (e > PARTING_RTOL) * (parting > round_off)
+    defined = final * (episodes > 0) * (closing > 0)  # e exists
     return np.where(defined, np.where(parted, e, 0.0), math.nan)

@@ -1,8 +1,7 @@
-"""Scales of a row.
+"""Scales of a row: the frame and the scale of velocities, and bounds of the numbers.
 
-They are the frame and the scale in which methods count velocities, and their bounds. In
-a family numbers are arrays, so nothing here is decided by one of them. The page has the
-functions without numpy's errors as JavaScript.
+In a family numbers are arrays over the members, so that no branch here depends on a
+number. The web page has the functions before the section "Bounds" as JavaScript.
 """
 
 import sys
@@ -16,16 +15,19 @@ from .link import Law
 
 SMALLEST_FLOAT = sys.float_info.min
 LARGEST_FLOAT = sys.float_info.max
-SUM_MARGIN = 2.0**60  # distance from both, for sums over steps and cells
+SUM_MARGIN = 2.0**60  # factor to stay away from both, for sums over steps and cells
 LARGEST_STIFFNESS = 2.0**80
-"""Contact stiffness, times transit time over impedance, beyond which it is rigid."""
+"""Ratio of a contact stiffness to that of the rods above which it counts as rigid.
+
+The stiffness of the rods is the least impedance over the longest transit time.
+"""
 
 
 def largest(values: Any) -> Any:
-    """Largest of one or more numbers.
+    """Largest of a list of one or more numbers.
 
-    It is an array with the largest of each member if any of them is an array of a
-    family.
+    If any of them is an array of a family, the result is an array with the largest
+    number of each member.
     """
     result = values[0]
     for value in values[1:]:
@@ -37,9 +39,10 @@ def largest(values: Any) -> Any:
 
 
 def smallest(values: Any) -> Any:
-    """Smallest of some numbers.
+    """Smallest of a list of one or more numbers.
 
-    There is one for each member, if any is an array of a family.
+    If any of them is an array of a family, the result is an array with the smallest
+    number of each member.
     """
     return -largest([-value for value in values])
 
@@ -47,10 +50,10 @@ def smallest(values: Any) -> Any:
 def velocities_of(row: Any) -> list[Any]:
     """Velocities of masses, rods and walls at t = 0 and of fixed and moved ends, m/s.
 
-    Where a velocity varies, along a rod or in time, its least and its largest value are
-    in the list.
+    If a velocity varies, along a rod or in time, the list has its least and its largest
+    value. Masses bonded together have one entry, the velocity of their centre of mass.
     """
-    velocities = [*row.mass_velocity]  # masses bonded together have their mean
+    velocities = [*row.mass_velocity]
     for body in row.system.bodies:
         if body.kind != "mass":
             velocities.extend(extremes(body.velocity))
@@ -61,27 +64,28 @@ def velocities_of(row: Any) -> list[Any]:
 
 
 def frame_of(row: Any) -> Any:
-    """Velocity of the frame, m/s.
+    """Velocity of the frame in which waves are counted, m/s.
 
-    It is the mean velocity of the walls. Without walls it is the middle between the
-    least and the largest of `velocities_of`.
+    It is the mean velocity of the walls. Without walls it is the mean of the least and
+    the largest velocity in `velocities_of`.
     """
     walls = [body.velocity for body in row.system.bodies if body.kind == "wall"]
     if len(walls) == 0:
         velocities = velocities_of(row)
-        # Halves are added, as a sum may overflow.
+        # The sum of the two could overflow, hence the sum of the halves.
         return smallest(velocities) / 2 + largest(velocities) / 2
     return sum(walls) / len(walls)
 
 
 def wave_of_strain(row: Any, side: int) -> Any:
-    """Wave, m/s, over strain of a wave that comes in through an end.
+    """Ratio of wave, m/s, to strain for a wave that enters through an end.
 
-    The end is the left (0) or the right one (1). A wave alone has v = -c strain to the
-    right and c strain to the left, and the wave is 2 v.
+    `side` is 0 for the left end and 1 for the right end. A single wave has v = -c
+    strain if it travels to the right, and v = c strain if it travels to the left; as
+    v = (a + b)/2, the wave is 2 v.
     """
-    first_or_last = side * (len(row.segments) - 1)
-    end_segment = row.segments[first_or_last]
+    end_index = side * (len(row.segments) - 1)  # first or last segment
+    end_segment = row.segments[end_index]
     return (4 * side - 2) * end_segment.wave_speed  # -2 c on the left, 2 c on the right
 
 
@@ -95,13 +99,14 @@ def least_impedance(row: Any) -> Any:
 
 
 def scale_of(row: Any) -> Any:
-    """Scale of velocities of a row with rods, m/s; 0 where nothing moves or acts.
+    """Scale of velocities of a row with rods, m/s; 0 if nothing moves or acts.
 
-    It is the spread of the velocities, plus c times the largest strain at t = 0 or 2 c
-    times that of an incoming wave, plus the largest force of a pushed end, a joint or
-    an overlap at t = 0 over the least impedance, plus g times the longest transit time.
+    It is a sum of four terms: the spread of the velocities; the largest of c times
+    strain at t = 0 and 2 c times strain of an incoming wave; the largest force of a
+    pushed end, a joint or an overlap at t = 0, over the least impedance; and g times
+    the longest transit time.
     """
-    strained = [0.0]  # velocities that strains make, m/s
+    strained = [0.0]  # velocities due to strains, m/s
     for body in row.system.bodies:
         if body.kind == "rod":
             c = largest([s.wave_speed for s in body.segments])
@@ -120,23 +125,23 @@ def scale_of(row: Any) -> Any:
         if link.law == Law.JOINT:
             pushed.append(abs(link.stiffness * link.stretch))
         elif link.law >= Law.SPRING:
-            # A compliant contact may begin with an overlap: a gap below 0. A minus
-            # alone would make -0.0 of a gap of 0.
+            # A compliant contact may begin with an overlap, a gap below 0. For a gap
+            # of 0, -gap would be -0.0.
             overlap = np.maximum(0.0 - link.gap, 0.0)
             pushed.append(link.stiffness * overlap**link.exponent)
     transit = largest([s.transit_time for s in row.segments])
-    fall = abs(row.system.gravity) * transit  # velocity that gravity makes, m/s
+    fall = abs(row.system.gravity) * transit  # velocity due to gravity, m/s
     velocities = velocities_of(row)
     spread = largest(velocities) - smallest(velocities)
     return spread + largest(strained) + largest(pushed) / least_impedance(row) + fall
 
 
 def scale_without_rods(row: Any, time: Any) -> Any:
-    """Scale of velocities of a row without rods, m/s; 0 where nothing moves or acts.
+    """Scale of velocities of a row without rods, m/s; 0 if nothing moves or acts.
 
-    It is the spread of the velocities, plus g times the time, plus the velocities that
-    the least mass gets: F time/m from each pushed end, and sqrt(k d^(p + 1)/m) from
-    each joint or compliant contact that is stretched or overlaps by d at t = 0.
+    It is a sum: the spread of the velocities, g times `time`, F time/m for the force F
+    of each pushed end, and sqrt(k d^(p + 1)/m) for each joint or compliant contact with
+    the stretch or overlap d at t = 0. m is the least mass.
 
     Parameters
     ----------
@@ -147,7 +152,7 @@ def scale_without_rods(row: Any, time: Any) -> Any:
     if row.masses:
         least_mass = smallest(row.masses)
     else:
-        least_mass = np.inf  # all masses are bonded to walls: forces move nothing
+        least_mass = np.inf  # all masses are bonded to walls, and cannot move
     scale = np.abs(row.system.gravity) * time
     for kind, value in row.boundaries:
         if kind == "force":
@@ -175,26 +180,29 @@ def scale_without_rods(row: Any, time: Any) -> Any:
 def beyond_scales(row: Any) -> list[tuple[Any, str, str]]:
     """Possible problems with the numbers of a row.
 
-    Energies or forces overflow or vanish, or a contact is as good as rigid. A contact
-    that is too stiff for its law to matter beside these rods loses its indentation in
-    round-off. What is nan, as it comes of an overflow, counts as beyond.
+    The first one is that energies or forces overflow or vanish, see `energy_problem`.
+    The others, one for each contact with a law, are that the contact is so stiff that
+    its indentation is lost in round-off, see `stiffness_problems`. A number that is nan
+    because of an overflow counts as a problem.
 
     Returns
     -------
     list of (bool or array, str, str)
-        Whether there is the problem, its path and its sentence.
+        Whether the problem exists, its path and its sentence. In a family the first is
+        an array of bool.
     """
     with np.errstate(over="ignore", invalid="ignore", under="ignore"):
         return [energy_problem(row), *stiffness_problems(row)]
 
 
 def energy_problem(row: Any) -> tuple[Any, str, str]:
-    """Whether energies or forces of a row overflow or vanish, path and sentence.
+    """Whether energies or forces of a row overflow or vanish, with path and sentence.
 
-    The first of the three is True where they do, in a family an array of bool. With the
+    The first result is True if they do; in a family it is an array of bool. With the
     velocity scale v, the heaviest mass m and the largest impedance Z, the energy m v^2
-    and the square of the force Z v must be between the bounds of floats, and far from
-    both. A scale of 0 is no problem. The path is "bodies".
+    and the square of the force Z v must lie between the smallest and the largest float,
+    away from both by the factor `SUM_MARGIN`. A scale of 0 is no problem. The path is
+    "bodies".
     """
     scale: Any = row.scale
     heaviest: Any = largest([*row.masses, *(s.mass for s in row.segments)])
@@ -220,16 +228,16 @@ def energy_problem(row: Any) -> tuple[Any, str, str]:
 def stiffness_problems(row: Any) -> list[tuple[Any, str, str]]:
     """For each contact with a law: whether it is as good as rigid, path and sentence.
 
-    Its stiffness, k d^(p - 1) at d = velocity scale times longest transit, is compared
-    with that of the rods, the least impedance over that transit. Where the ratio
-    exceeds `LARGEST_STIFFNESS` or is nan, the first of the three is True, in a family
-    an array of bool.
+    The stiffness of the contact, k d^(p - 1) with d the velocity scale times the
+    longest transit time, is divided by that of the rods, the least impedance over this
+    transit time. The first result is True if the ratio exceeds `LARGEST_STIFFNESS` or
+    is nan; in a family it is an array of bool.
     """
     transit: Any = largest([s.transit_time for s in row.segments])
     problems = []
     for k, i in row.by_law.items():  # contact k is link i
         link = row.links[i]
-        # Over the stiffness of the rods, impedance over transit
+        # k d^(p - 1), over the stiffness impedance/transit of the rods
         stiffness_ratio = (
             link.stiffness
             * (transit / least_impedance(row))
@@ -240,7 +248,7 @@ def stiffness_problems(row: Any) -> list[tuple[Any, str, str]]:
             f"is as good as rigid beside these rods, got {link.stiffness!r}; use "
             f"{rigid_law}()"
         )
-        # Not `greater`, which would let nan pass.
+        # For nan, `less_equal` is False, so that nan counts as rigid.
         is_rigid = ~np.less_equal(stiffness_ratio, LARGEST_STIFFNESS)
         problems.append((is_rigid, f"contacts.{k}.stiffness", message))
     return problems
@@ -249,16 +257,18 @@ def stiffness_problems(row: Any) -> list[tuple[Any, str, str]]:
 def check_scales(row: Any) -> None:
     """Raise InvalidModel if numbers of a single row are out of bounds.
 
-    They overflow or vanish, or a contact is as good as rigid. If numbers overflow or
-    vanish, contacts are not reported, else the error has all that are too stiff.
+    If energies or forces overflow or vanish, the error has only this problem.
+    Otherwise it has one for each contact that is as good as rigid.
     """
     problems = []
     for is_beyond, path, message in beyond_scales(row):
         if is_beyond:
             problems.append((path, message))
-    # The path "bodies" is that of `energy_problem`, which comes first: energies
-    # overflow or vanish, and ratios of the contacts say nothing.
-    if problems and problems[0][0] == "bodies":
+    if len(problems) == 0:
+        return
+    # If energies or forces overflow, the stiffness ratios of the contacts are
+    # meaningless. This problem comes first.
+    first_path, _ = problems[0]
+    if first_path == "bodies":
         raise InvalidModel(problems[:1])
-    if problems:
-        raise InvalidModel(problems)
+    raise InvalidModel(problems)

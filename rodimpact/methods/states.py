@@ -1,56 +1,55 @@
-"""States that kernels hold as whole numbers.
+"""States that kernels and files hold as whole numbers: of an end, a link and a run.
 
-They are those of what is beyond an end, of a link, and of a run. In files and in
-kernels these are whole numbers; only their order here has a meaning. Kernels compare by
-it where a statement holds for several states; each class says what its bounds mean.
+The order of the states has a meaning: kernels compare states where a statement holds
+for several of them. Each class says what its bounds mean.
 """
 
 from enum import IntEnum
 
 
 class BoundaryKind(IntEnum):
-    """What is beyond an end of the row."""
+    """The kind of boundary beyond an end of the row."""
 
-    STEADY = 0  # nothing, or a wall
-    MOVED = 1  # a velocity over time
-    PUSHED = 2  # a force
-    ENDLESS = 3  # a bar, with a wave that comes in
+    STEADY = 0  # nothing, a wall or a fixed end
+    MOVED = 1  # a given velocity over time
+    PUSHED = 2  # a given force over time
+    ENDLESS = 3  # a semi-infinite bar, through which a wave may arrive
 
 
 class Status(IntEnum):
-    """What a link does.
+    """The status of a link.
 
-    The order counts: >= OPEN is a contact that can open, and < OPEN a link that is
-    none; >= GRAZE is closed, and has pressed since it closed; >= PRESS has a force that
-    follows from its state.
+    The order has a meaning. < OPEN: no contact, or one that cannot open. >= OPEN: a
+    contact that can open. >= GRAZE: closed, and it has pressed since it closed.
+    >= PRESS: its force follows from its state.
     """
 
-    FREE = 0  # an end that nothing acts on
-    BOND = 1  # it cannot open
+    FREE = 0  # a free end
+    BOND = 1  # a link that cannot open
     PUSH = 2  # an end under a given force
-    OPEN = 3  # a gap, or parting
-    TOUCH = 4  # closed, not yet pressed since it closed
-    GRAZE = 5  # closed, pressed before, without force now
-    PRESS = 6
+    OPEN = 3  # there is a gap, or it opens
+    TOUCH = 4  # closed; it has not pressed since it closed
+    GRAZE = 5  # closed, without force; it has pressed since it closed
+    PRESS = 6  # closed, with a force
     PLASTIC = 7  # it presses, and yields
-    REST = 8  # rigid bodies that lie on each other
+    REST = 8  # rigid bodies that rest against each other
 
 
 class Stop(IntEnum):
-    """Why a run returns.
+    """The reason why a run stops.
 
-    The order counts: < DONE has not ended, and goes on; >= DONE has; >= OVERFLOW has no
-    result, and the member is refused.
+    The order has a meaning. < DONE: the run has not ended, and can go on. >= DONE: it
+    has ended. >= OVERFLOW: it has no result, and the member is refused.
     """
 
-    NONE = 0  # it goes on, or is not laid out
-    FULL = 1  # no room in the log
+    NONE = 0  # it has not stopped, or not begun
+    FULL = 1  # there is no room in the log
     CHECK = 2  # a proof of finality is due
-    DONE = 3  # the time asked for is reached
-    FINAL = 4  # proved, and run on
-    CAP = 5  # more events than the limit
-    CLOCK = 6  # its ticks are over
-    OVERFLOW = 7  # no clock: the energy of such velocities and strains is no float
-    LONG = 8  # the time asked for takes more ticks than a clock has
-    SHORT = 9  # a transit time is too few ticks
-    STUCK = 10  # no solution: a mass between closing walls
+    DONE = 3  # the given end is reached
+    FINAL = 4  # the collision is proved final, and the run has gone on for some time
+    CAP = 5  # the largest number of events is reached
+    CLOCK = 6  # the last tick of the clock is reached
+    OVERFLOW = 7  # energies could exceed the largest float
+    LONG = 8  # the run takes more ticks than a clock has
+    SHORT = 9  # a transit time has too few ticks
+    STUCK = 10  # there is no solution: walls squeeze a rigid mass

@@ -1,4 +1,4 @@
-"""Why a run ended, and how accurate it is: sentences with the remedy."""
+"""Sentences on why a run ended, with the remedy, and on its accuracy."""
 
 import math
 from collections.abc import Sequence
@@ -8,28 +8,26 @@ from ..units import format_si
 from .abilities import has_external_drive
 
 LARGE_STRAIN = 0.01
-"""Strain from which linear theory is doubtful: squares count a percent."""
+"""Strain above which linear theory is doubtful: quadratic terms reach a percent."""
 LARGE_QUAKE = 0.1
-"""Quake from which a unit was probably mistaken, m: those of soil are millimetres."""
+"""Quake above which its unit is probably wrong, m: quakes of soil are millimetres."""
 ROUNDED = 2.0**-36
-"""Relative change of a transit time by rounding from which a status states it."""
-
-
+"""Relative change of a transit time by rounding above which a status states it."""
 ROUND_TRIP_RTOL = 1e-9
-"""Relative round-off of the time that a run has gone on after its last force."""
+"""Relative round-off of the time from the last force to the end of a run."""
 
 
 class RunEnd(NamedTuple):
     """Why a run ended, in sentences."""
 
-    statement: str  # what happened
-    advice: str  # which argument of Python changes it; "" if there is none
+    statement: str  # why it ended
+    advice: str  # the argument of Python that changes it; "" if there is none
 
 
 def is_held(system: Any) -> bool:
-    """Whether walls hold a row in, so that bodies cannot all part.
+    """Whether walls hold a row, so that the bodies cannot all part.
 
-    There is a wall at both ends, or one whose contact cannot open.
+    It is so if there are walls at both ends, or if the contact of a wall cannot open.
     """
     has_left_wall: bool = system.bodies[0].kind == "wall"
     has_right_wall: bool = system.bodies[-1].kind == "wall"
@@ -44,9 +42,8 @@ def describe_end(
 ) -> RunEnd:
     """Why a run ended, as a statement and advice.
 
-    The advice names the argument that would let the run go on to the proof, or beyond
-    the cap; where none would, it is "". The page of `explorer` has this function as
-    JavaScript.
+    The advice names the argument that lets the run go on, to the proof or past the cap;
+    it is "" if there is no such argument. The web page has this function as JavaScript.
 
     Parameters
     ----------
@@ -55,9 +52,9 @@ def describe_end(
     final : str
         Sentence of the proof that the collision is final; "" without a proof.
     end, cap : str
-        End of the run, and the work that it may do at most, with their units.
+        End of the run and cap of its work, each with its unit, such as "10 events".
     system : System
-        It tells why a run to a given end is not proved final.
+        It determines why a run to a given end is not proved final.
     """
     if stopped_by == "final":
         return RunEnd(final, "")
@@ -80,7 +77,7 @@ def describe_end(
             reason = "a row between walls, or joined to one, may never come to an end"
             return RunEnd(f"{statement}; {reason}.", "")
         return RunEnd(f"{statement}.", "Leave out until= to run to the proof.")
-    # It stopped at the cap.
+    # The remaining case is "max_events".
     if final != "":
         return RunEnd(
             f"{final} The cap of {cap} ended the run at {end}.",
@@ -93,7 +90,7 @@ def describe_end(
 
 
 def with_advice(end: RunEnd) -> str:
-    """Statement and advice on why a run ended, in one text."""
+    """Statement and advice, if there is any, joined by a space."""
     if end.advice == "":
         return end.statement
     return f"{end.statement} {end.advice}"
@@ -104,44 +101,46 @@ def last_contact(
 ) -> float:
     """Time at which the last contact ended, s, in a run that is proved final.
 
-    Bodies that touch without force part as soon as a wave that pulls arrives. If none
-    has come in a round trip of the longest body, none will: they rest against each
-    other, and the end of the force counts.
+    A contact ends when its gap opens. Bodies that touch without force part as soon as a
+    tensile wave arrives. If none has arrived within a round trip of the longest body,
+    none will: the bodies rest against each other, and their contact ends with the
+    force.
 
     Parameters
     ----------
     ends : list of (float, float)
-        Of each contact that pressed, when its last force ended and when its gap opened
-        then, s; nan for what has not come before the end of the run.
+        For each contact that pressed, the time at which its last force ended, and the
+        time at which its gap opened afterwards, s; nan if this has not happened.
     t_end, round_trip : float
-        End of the run, and how long waves take to the far end of the longest body and
-        back, s.
+        End of the run, and the time of a wave through the longest body and back, s.
 
     Returns
     -------
     float
-        0 if no contact pressed. nan if bodies still touch without force at the end of
-        the run and may part later; else inf if a contact goes on pressing for ever.
+        The latest of these ends; 0 if no contact pressed. nan if bodies still touch
+        without force at the end of the run and may part later. Otherwise inf if a
+        contact goes on pressing.
     """
     latest = 0.0
     for force_end, opening in ends:
-        if force_end != force_end:  # nan: it presses on
+        # Only nan differs from itself; the web page needs no function for this test.
+        if force_end != force_end:  # nan: the contact still presses
             latest = math.inf
-        elif opening == opening:  # not nan: its gap opened
+        elif opening == opening:  # not nan: the gap has opened
             latest = max(latest, opening)
         elif t_end - force_end >= round_trip * (1 - ROUND_TRIP_RTOL):
-            # It still touches, but no wave has parted the bodies in a round trip.
+            # The bodies still touch, but no wave has parted them in a round trip.
             latest = max(latest, force_end)
-        else:
+        else:  # a wave may still part the bodies
             return math.nan
     return latest
 
 
 def proof_sentence(met: bool, t_final: float) -> str:
-    """Sentence on what the proof of finality says.
+    """Sentence on the result of the proof of finality.
 
-    `met` says whether anything collided; `t_final`, s, is what `last_contact` returns:
-    nan where bodies may part later, inf where they stay in contact.
+    `met` says whether any contact pressed. `t_final`, s, is the result of
+    `last_contact`: nan if bodies may part later, inf if they stay in contact.
     """
     if not met:
         return "No collision happens, now or later."
@@ -155,10 +154,10 @@ def proof_sentence(met: bool, t_final: float) -> str:
 
 
 def rounding(error: float, path: str) -> str:
-    """Sentence on the rounding of transit times to the clock.
+    """Sentence on the rounding of transit times by the clock; "" up to `ROUNDED`.
 
-    It is empty if the rounding is too small to be told. `error` is the largest relative
-    change, of the segment with this path.
+    `error` is the largest relative change of a transit time, and `path` that of its
+    segment. The sentence begins with a space.
     """
     if error <= ROUNDED:
         return ""
@@ -182,9 +181,9 @@ def quake_warning(system: Any) -> str:
     """Sentence that warns of the first quake above `LARGE_QUAKE`; "" if there is none.
 
     A quake is the overlap or displacement at which soil yields, m. Soil along the rods
-    comes first, then that at contacts. The sentence begins with a space.
+    is checked first, then soil at contacts. The sentence begins with a space.
     """
-    quakes = []  # path, and quake, m; 0 where there is no soil
+    quakes = []  # (path, quake in m); a quake of 0 if there is no soil
     for i, body in enumerate(system.bodies):
         shaft = getattr(body, "shaft", None)
         quakes.append((f"bodies.{i}.shaft.quake", getattr(shaft, "quake", 0.0)))

@@ -165,7 +165,9 @@ def solve_force(
 
     If the node presses or is bonded, both faces have the same velocity, so that
     F = (a - b)/(Y1 + Y2). At an end under a given force (PUSH), F Y arrives as a wave
-    from outside. For any other status the force is 0. The status must be the new one.
+    from outside. For any other status the force is 0. The status must be the new one. a
+    and b are the waves that arrive, Y1 = `left_mobility` and Y2 = `right_mobility`;
+    `is_left_end` says whether the node is the left end of the row.
 
     Returns
     -------

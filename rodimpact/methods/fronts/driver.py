@@ -35,8 +35,8 @@ def solve_one(
     """Run a single collision, and return the batch that has its records.
 
     If the request gives an end `until`, the run ends there, otherwise one round trip of
-    the longest body after the proof. The first reason to stop may also be the cap on
-    events. `run_past_proof` of the request is taken as True.
+    the longest body after the proof; it ends earlier at the cap on events. The flag
+    `run_past_proof` of the request is replaced by True.
 
     Parameters
     ----------

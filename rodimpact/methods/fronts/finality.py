@@ -300,7 +300,8 @@ def bound_deviation(state: State, k: int, s: int, now: int) -> None:
         if not is_anchored:
             # g grows by the mass of the segment, T/Y, over that of the group.
             g1 = g0 + transit / (mobility * mass)
-        # Integral of g^2 over the segment, with g linear and dx/(E A) = Y dt
+        # Integral over the segment, where dx/(E A) = Y dt. For a linear g the mean of
+        # g^2 is (g0^2 + g0 g1 + g1^2)/3.
         compliance += mobility * transit * (g0 * g0 + g0 * g1 + g1 * g1) / 3
         for l in range(2 * i, 2 * i + 2):
             is_leftward = l % 2 == 1  # the line carries b, not a

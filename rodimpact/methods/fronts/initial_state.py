@@ -109,8 +109,8 @@ def choose_clock(state: State, values: Values) -> None:
     run.longest_transit_time = 0.0
     for s in range(1, n + 1):
         run.longest_transit_time = max(run.longest_transit_time, durations[s - 1].time)
-    # This call is unconditional for speed only: machine code counts references to an
-    # array, as `values`, whose last use is behind a condition.
+    # This call does not depend on `until`, for speed only: machine code counts the
+    # references to an array whose last use is behind a condition, here `values`.
     run.horizon = default_horizon(state, values)
     if run.until >= 0:
         run.horizon = run.until
@@ -433,9 +433,9 @@ def append_initial_fronts(state: State, s: int, wave_speed: float) -> None:
     for leftward in range(2):  # 0: the wave a to the right, 1: the wave b to the left
         start = run.log_rows  # row of the first front of this wave
         sign = 2 * leftward - 1  # sign of c eps: -1 in a, 1 in b
-        for k in range(stop - first):
-            # The piece nearest to the end where the wave arrives was sent first: the
-            # leftmost one of b, the rightmost one of a.
+        for k in range(stop - first):  # in order of time
+            # The piece nearest to the end where the wave arrives was sent first: for b
+            # the leftmost one, for a the rightmost one.
             if leftward:
                 i = first + k
             else:

@@ -84,7 +84,7 @@ def run_to_end(state: State) -> int:
             run.now = horizon  # all events up to the horizon have happened
         if stop != Stop.FULL and run.proved_tick == NONE:
             try_proof(state, stop)
-        # If the proof has just succeeded, the end is known now: run to it.
+        # Go on after a CHECK, or to the end that a proof has just set.
         proof_sets_end = not had_end and run.proved_tick != NONE
         is_running = stop == Stop.CHECK or (stop == Stop.DONE and proof_sets_end)
     if stop == Stop.DONE and runs_to_proof:
