@@ -352,7 +352,7 @@ class Pieces:
         """The signal times a factor."""
         return Pieces(self.ticks, self.coefficients * factor, self.end)
 
-    def later(self, ticks: int) -> Pieces:
+    def delayed(self, ticks: int) -> Pieces:
         """The signal delayed by this number of ticks."""
         return Pieces(self.ticks + ticks, self.coefficients, self.end + ticks)
 

@@ -171,8 +171,8 @@ def _sides(domain: Domain) -> list[Side]:
     A = domain.A
     B = domain.B
     T = domain.T
-    at_left = _between(B.later(T) - A, 0, domain.end)  # B(t - T) - A(t)
-    at_right = _between(B - A.later(T), 0, domain.end)  # B(t) - A(t - T)
+    at_left = _between(B.delayed(T) - A, 0, domain.end)  # B(t - T) - A(t)
+    at_right = _between(B - A.delayed(T), 0, domain.end)  # B(t) - A(t - T)
     left_end = Side(at_left, p_rate=1, p_start=0, q_rate=1, q_start=-T)
     right_end = Side(at_right, p_rate=1, p_start=-T, q_rate=1, q_start=0)
     sides = [left_end, right_end]

@@ -238,8 +238,8 @@ class WaveFields(Fields):
         point = self._points(body, x)
         offset = int(point.offset)
         waves = self.waves(int(point.segment))
-        rightward = waves.rightward.later(offset)
-        leftward = waves.leftward.later(waves.transit - offset)
+        rightward = waves.rightward.delayed(offset)
+        leftward = waves.leftward.delayed(waves.transit - offset)
         # At a break of a wave the next of its polynomials begins.
         breaks = each_once([0], rightward.breaks, leftward.breaks)
         breaks = breaks[(breaks >= 0) & (breaks <= self.end)]

@@ -198,7 +198,7 @@ def test_difference_product_delay_sum_and_multiple_have_their_values(size):
 
     difference = f - g
     product = f * g
-    changed = f.later(5).plus(2.0).times(3.0)
+    changed = f.delayed(5).plus(2.0).times(3.0)
 
     assert difference.at(ticks) == pytest.approx(of_f - of_g, abs=1e-13)
     assert product.at(ticks) == pytest.approx(of_f * of_g, abs=1e-13)

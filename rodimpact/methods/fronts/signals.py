@@ -183,7 +183,7 @@ def arrivals(finished: FrontRun, lines: Lines, k: int, side: int) -> Pieces:
     # 2 s + 1 to the left (side 1).
     wave = lines[2 * segment + side]
     assert wave is not None
-    return wave.later(finished.clock.ticks[segment])
+    return wave.delayed(finished.clock.ticks[segment])
 
 
 def outside_signal(
@@ -217,7 +217,7 @@ def outside_signal(
     outward = lines[2 * s + 1 - side]
     assert inward is not None
     assert outward is not None
-    arriving = outward.later(clock.ticks[s])
+    arriving = outward.delayed(clock.ticks[s])
     # `INWARD` is 1 at the left end and -1 at the right end.
     push = (inward - arriving).times(INWARD[side] * clock.impedance[s] / 2)
     speed = (inward + arriving).times(0.5).plus(clock.frame)

@@ -238,7 +238,7 @@ class InitialLines:
         a_pieces = profile_pieces.backwards(mirrored_pieces)
         self._add(a_pieces[None])  # [member, piece]
         # The part of b at x left the right end T - x/c before t = 0.
-        b = (v + strain.times(c)).plus(-frame).later(-T)
+        b = (v + strain.times(c)).plus(-frame).delayed(-T)
         b_pieces = self._fit_pieces(b, -T, 0, *profiles)
         self._add(b_pieces[None])
 

@@ -259,7 +259,7 @@ def _outside(
     else:  # v of a rod's end is half the sum of the waves that leave and arrive
         inner = 1 - side  # side of the end node on which its rod lies
         source = node["incoming_lines"][inner]
-        arriving = lines[source].later(int(state.lines["delay"][source]))
+        arriving = lines[source].delayed(int(state.lines["delay"][source]))
         leaving = lines[node["outgoing_lines"][inner]]
         speed = leaving.times(0.5) + arriving.times(0.5) + frame
     push = lines[state.links["history_line"][outermost]]
