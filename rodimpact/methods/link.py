@@ -111,7 +111,8 @@ def in_steps(links: Any, step: float) -> dict[str, Any]:
     """
     return {
         "stiffness": links["stiffness"] * step ** links["exponent"],
-        "gap": (links["gap"] + links["stretch"]) / step,  # gap or stretch is 0
+        # A contact has the stretch 0, a joint has the gap 0.
+        "gap": (links["gap"] + links["stretch"]) / step,
     }
 
 

@@ -95,8 +95,8 @@ def episodes_of(ticks: Any, statuses: Any, tick: float) -> tuple[Episode, ...]:
     episodes: list[Episode] = []
     start = math.nan  # nan while no episode is under way
     force_end = math.nan  # nan while the contact presses
-    for when, status in zip(ticks, statuses, strict=True):
-        t = float(when) * tick
+    for change_tick, status in zip(ticks, statuses, strict=True):
+        t = float(change_tick) * tick
         if status == Status.PRESS:
             force_end = math.nan
             if math.isnan(start):  # an episode begins

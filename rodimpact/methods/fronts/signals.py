@@ -38,8 +38,8 @@ def signals_of(finished: FrontRun) -> Signals:
     contacts = []
     for contact in range(len(finished.layout.contacts)):
         contacts.append(contact_signal(finished, lines, changes, contact))
-    left = outside_signal(finished, lines, contacts, 0)
-    right = outside_signal(finished, lines, contacts, 1)
+    left = outside_signal(finished, lines, contacts, side=0)
+    right = outside_signal(finished, lines, contacts, side=1)
     return Signals(Waves(lines), tuple(contacts), (left, right))
 
 
@@ -59,7 +59,7 @@ def waves_by_line(finished: FrontRun) -> Lines:
     unsorted = log[is_inside]
     # Sort by line. A stable sort keeps the fronts of a line in order of time.
     fronts = unsorted[np.argsort(unsorted["line"], kind="stable")]
-    # [line]: index of the first front of each line; last, the number of fronts
+    # [i]: index of the first front of line i; the last entry is the number of fronts
     bounds = np.searchsorted(fronts["line"], np.arange(count + 1))
     lines: Lines = []
     for start, stop in pairwise(bounds):
@@ -94,8 +94,8 @@ def contact_signal(
     statuses = Pieces([-1, *own_changes["tick"]], [first_status, *own_changes["value"]])
 
     # a - b and the status, at tick 0 and at all ticks where a, b or the status changes
-    from_left = arrivals(finished, lines, k, 0)
-    from_right = arrivals(finished, lines, k, 1)
+    from_left = arrivals(finished, lines, k, side=0)
+    from_right = arrivals(finished, lines, k, side=1)
     all_ticks = each_once([0], from_left.ticks, from_right.ticks, statuses.ticks)
     ticks = all_ticks[(all_ticks >= 0) & (all_ticks <= end_tick)]
     closing = from_left.at(ticks) - from_right.at(ticks)
@@ -153,8 +153,9 @@ def gaps_at_starts(
     tick it is `first_gap`, unless there is a change at this tick. In between, the gap
     is the integral of its rate since the last change, or since the first tick.
     """
-    steps = gap_rate[:-1] * np.diff(ticks)  # the last rate has no next tick
-    travelled = np.concatenate(([0.0], np.cumsum(steps)))  # integral of the rate
+    changes_of_gap = gap_rate[:-1] * np.diff(ticks)  # from each tick to the next
+    # Integral of the rate from the first tick to each tick
+    travelled = np.concatenate(([0.0], np.cumsum(changes_of_gap)))
     travelled_at_changes = travelled[np.searchsorted(ticks, changes)]
     # [i]: value of `travelled` at which the gap is 0, after i changes. Before any
     # change, the gap is `first_gap` where `travelled` is 0.
