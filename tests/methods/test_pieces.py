@@ -134,7 +134,7 @@ def test_the_maximum_is_missed_by_no_more_than_it_says(seed):
     assert maximum.value == pytest.approx(exact, rel=0, abs=maximum.miss + round_off)
     assert maximum.miss <= 1e-12 * np.ptp(values)
     assert maximum.value >= max(values)
-    at_place = chebyshev.chebval(maximum.place, c)
+    at_place = chebyshev.chebval(maximum.position, c)
     assert at_place == pytest.approx(maximum.value, abs=round_off)
 
 

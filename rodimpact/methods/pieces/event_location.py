@@ -162,7 +162,7 @@ def find_dip(node: Node, depth: float) -> float:
         elif j == N:
             is_end_lowest = series.slope_at_end(node.scratch_series, 1.0) <= 0
         if not is_end_lowest:
-            bottom = series.place_of_minimum(node.scratch_series, low, high)
+            bottom = series.position_of_minimum(node.scratch_series, low, high)
             # There is a dip if the lowest place is well below 0,
             # and not where the search began.
             if bottom > low and series.value(node.scratch_series, bottom) < -depth:

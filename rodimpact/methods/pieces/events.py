@@ -294,7 +294,7 @@ def raise_peak(link: Link, node: Node) -> None:
     # A maximum below the peak so far, the last argument, is not looked for.
     peak = series.maximum(link.force, node.scratch_series, link.peak_force)
     # Error of the polynomial, and of the search
-    error = series.error_at(link.force, peak.place) + peak.miss
+    error = series.error_at(link.force, peak.position) + peak.miss
     link.peak_force = max(link.peak_force, peak.value)
     link.peak_force_bound = max(link.peak_force_bound, peak.value + error)
 

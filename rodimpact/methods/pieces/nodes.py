@@ -1,19 +1,22 @@
-"""One piece of a node.
+"""The solution of a node over one piece.
 
-A node is the chain of links and masses between two rods, driven by two waves.
+A node is the chain of links and masses between two rods. Two incoming waves drive it.
 
-In every link acts a force F. All else follows from the forces: velocities of the
-masses, then the closing rates without own force, then the overlaps,
+A force F acts in every link. Everything else follows from the forces: the velocities of
+the masses, then the closing velocities without the own force, then the overlaps,
 
-    m v' = F before - F behind,    closing = velocity on the left - on the right,
-    d' = closing - Y F,            Y the mobility of the link,
+    m v' = F_left - F_right,    closing = v_left - v_right,
+    d' = closing - Y F.
 
-where a rod's end counts with the wave that comes in. Forces that depend on this are
-found by collocation (Radau IIA) and Newton's method.
+At the end of a rod the incoming wave, a, takes the place of v in `closing`. The force F
+changes the velocity of this end from a to a - F/Z: Y, the mobility of the link, is the
+sum of 1/Z of the rod ends beside it. The contact laws give F as a function of d and
+`closing`. All these equations are solved by collocation (Radau IIA) and Newton's
+method.
 
-Indices: link q of a node lies between its masses q - 1 and q. In front of link 0 and
-behind the last link are the ends of rods, with `incoming[0]` on the left and
-`incoming[1]` on the right. j is a point of the piece: 0 its start, 1 to N the stages.
+Indices: link q of a node lies between its masses q - 1 and q. A rod end is on the left
+of link 0, with the wave `incoming[0]`, and on the right of the last link, with
+`incoming[1]`. j is a point of the piece: 0 is its start, 1 to N are the stages.
 """
 
 from .. import contact_laws
@@ -25,31 +28,30 @@ from .records import NONE, Link, Links, Masses, Node, Run
 from .series import POINTS, STAGES, START, TWICE, Matrix, MutableValues, N, Values, X
 
 MAX_NEWTON_STEPS = 30
-"""Newton steps on one piece; a piece that needs more is shortened."""
+"""Largest number of Newton steps on one piece; a piece that needs more is shortened."""
 DIVERGED = 1e300
-"""Relative residual from which a Newton iteration has no solution."""
+"""Relative residual above which Newton's method has diverged."""
 PIECE_PER_TRANSIT = 0.1
-"""Duration of a typical piece over the shortest transit.
+"""Duration of a typical piece, divided by the shortest transit.
 
-It makes the tail of a force a velocity: a force acts for about so long before the next
-piece.
+An error of a force is converted to the velocity that it makes in this time.
 """
 RESIDUAL_RTOL = 1e-7
-"""Residual of the contact laws before the last Newton step, relative to the force.
+"""Largest relative residual of the contact laws before the last Newton step.
 
 Newton's method converges quadratically: the step after it leaves 1e-14, which is
 round-off.
 """
 CANCELLATION_RTOL = 1e-6
-"""Force over the terms that cancel in it, below which these measure its residual.
+"""Ratio of a force to the terms that cancel in it, below which cancellation matters.
 
-A residual of RESIDUAL_RTOL times the force would then be below 1e-13 of the terms:
-round-off.
+The residual is then relative to this share of the terms, not to the force: a residual
+of RESIDUAL_RTOL times the force would be below 1e-13 of the terms, which is round-off.
 """
 SWING_FACTOR = 1.1
-"""Factor on the deepest swing below 0 of samples: the true one is little deeper."""
+"""Factor on the deepest value below 0 that was found: the true one may be deeper."""
 SWING_ROUND_OFF = 8e-15
-"""Round-off of evaluating the polynomial of a force, over the largest force."""
+"""Round-off of evaluating the polynomial of a force, relative to the largest force."""
 
 
 # What the links are -------------------------------------------------------------------
@@ -58,9 +60,9 @@ SWING_ROUND_OFF = 8e-15
 def overlap_changes(link: Link) -> bool:
     """Return whether the overlap of a link changes over a piece.
 
-    That of a bond, of bodies at rest, and of a rigid contact that presses is constant.
-    That of a joint, which has the status BOND, changes; so does that of an open
-    contact, as a gap.
+    The overlap is constant in a bond, a push, a contact at rest (REST), and a rigid
+    contact that presses. It changes in a joint, although its status is BOND, in a
+    compliant contact, and in an open contact, whose gap is minus the overlap.
     """
     if link.status == Status.BOND:
         return bool(link.law == Law.JOINT)
@@ -69,10 +71,10 @@ def overlap_changes(link: Link) -> bool:
 
 
 def elastic_share(link: Link) -> float:
-    """Return the elastic part of the overlap rate, over the whole: d'/(closing - Y F).
+    """Return the elastic share of the overlap rate, d'/(closing - Y F).
 
-    It is 1, but for a link that yields: there it is the hardening share, and the rest
-    is plastic.
+    It is the hardening share of a link that yields (PLASTIC), where the rest of the
+    rate is plastic deformation. For every other link it is 1.
     """
     if link.status == Status.PLASTIC:
         return link.hardening_share
@@ -88,90 +90,97 @@ def outer_link(node: Node, side: int) -> int:
 
 
 def start_forces(links: Links, node: Node) -> int:
-    """Start a piece: set given forces of links, and number the unknown ones.
+    """Set the known forces of links over a piece, and number the unknown ones.
 
-    Given are pushes on the ends, 0 in contacts that are open or only touch, and the
-    force of a bond or rigid contact alone between two rods, which follows from the
-    waves. An unknown force is 0 until it is found; its number is `unknown_index`, NONE
-    of a given one. Return the number of unknown forces.
+    Three kinds of force are known: a push on an end of the row; 0 in a contact that is
+    open or only touches; and the force of a bond or rigid contact that is the only link
+    between two rods, which follows from the incoming waves. All other forces are
+    unknown, and set to 0 for now. `unknown_index` of a link becomes the number of its
+    unknown force, or NONE if the force is known. Return how many are unknown.
     """
     unknown_count = 0
     for q in range(node.link_count):
         link = links[node.first_link + q]
         is_push = link.law == Law.PUSH_LEFT or link.law == Law.PUSH_RIGHT
         is_bond = link.law == Law.BOND
-        # A contact from PRESS on presses, yields or rests.
+        # The statuses from PRESS on are those of a contact that presses, yields or
+        # rests.
         acts = link.status >= Status.PRESS or is_bond or link.law == Law.JOINT
-        # Alone between two rods, only a force by a law of the overlap is unknown.
+        # If the link is alone between two rods, its force is unknown only where it
+        # depends on an overlap that changes.
         link.unknown_index = NONE
         if acts and (node.link_count > 1 or overlap_changes(link)):
             link.unknown_index = unknown_count
             unknown_count += 1
-        holds = is_bond or link.status == Status.PRESS
-        follows_from_waves = holds and link.unknown_index == NONE
+        is_closed = is_bond or link.status == Status.PRESS
+        follows_from_waves = is_closed and link.unknown_index == NONE
         for j in range(POINTS):
             if is_push:
                 side = link.law - Law.PUSH_LEFT  # 0 for PUSH_LEFT, 1 for PUSH_RIGHT
                 link.force[j] = node.incoming[side][j]
-            elif follows_from_waves:  # both faces have one velocity: closing - Y F = 0
+            elif follows_from_waves:  # d' = closing - Y F = 0
                 closing = node.incoming[0][j] - node.incoming[1][j]
                 link.force[j] = closing / link.mobility
-            else:  # it is unknown, or no force acts
+            else:  # the force is unknown, or no force acts
                 link.force[j] = 0.0
     return unknown_count
 
 
 def integrate(rate: Values, h: float, f: MutableValues) -> None:
-    """Set f after f[0] to f[0] plus the integral of a rate.
+    """Integrate a rate over a piece, from the initial value f[0].
 
-    The piece has the duration h, s. f and the rate, which is the rate per s, are values
-    at the points; that of the rate at the start is not used.
+    f[1] to f[N] are set to f[0] plus the integral of the rate from the start of the
+    piece to that point. The piece has the duration h, s. `rate`, per s, and f are
+    values at the points; `rate[0]`, at the start, is not used.
     """
-    for j in range(N):
-        s = 0.0  # integral over y, from -1 at the start of the piece to 1 at its end
-        stages = STAGES[j]
+    for j in range(N):  # stage j is point j + 1
+        s = 0.0  # integral over y, from -1 at the start of the piece
+        weights = STAGES[j]
         for m in range(N):
-            s += stages[m] * rate[m + 1]
-        f[j + 1] = f[0] + 0.5 * h * s
+            s += weights[m] * rate[m + 1]
+        f[j + 1] = f[0] + 0.5 * h * s  # y runs through 2 in the time h
 
 
 def update_motion(links: Links, masses: Masses, node: Node, h: float) -> None:
-    """Set velocities of masses, and closing and overlaps of links, by present forces.
+    """Set the motion of a node over a piece that follows from the present forces.
 
-    They are those at the points of a piece of duration h, s, from the states at its
-    start:
+    The velocities of the masses, and the closing velocities and overlaps of the links,
+    are set at the points of the piece, which has the duration h, s:
 
-    m v' = F before - F behind,  closing = velocity on the left - on the right,
-    d' = share (closing - Y F) with the elastic share; d stays where `overlap_changes`
-    is false.
+    m v' = F_left - F_right,  closing = v_left - v_right,
+    d' = share (closing - Y F) with the elastic share.
 
-    `scratch_values` of the node holds derivatives meanwhile.
+    They start from the velocities and overlaps at the start of the piece. d stays
+    constant where `overlap_changes` is false. `scratch_values` of the node is
+    overwritten.
     """
     for i in range(node.link_count - 1):
-        before = links[node.first_link + i]
-        behind = links[node.first_link + i + 1]
+        left_link = links[node.first_link + i]
+        right_link = links[node.first_link + i + 1]
         body = masses[node.first_mass + i]
         for j in range(POINTS):
-            node.scratch_values[j] = (before.force[j] - behind.force[j]) / body.mass
+            net_force = left_link.force[j] - right_link.force[j]
+            node.scratch_values[j] = net_force / body.mass  # v'
         integrate(node.scratch_values, h, body.velocity)  # from velocity[0] on
     for q in range(node.link_count):
         link = links[node.first_link + q]
-        share = 0.0
+        share = 0.0  # the overlap stays constant
         if overlap_changes(link):
             share = elastic_share(link)
         for j in range(POINTS):
-            # An end of a rod counts with the wave that comes in.
+            # At the end of a rod the incoming wave takes the place of the velocity.
             if q == 0:
-                left = node.incoming[0][j]
+                v_left = node.incoming[0][j]
             else:
-                left = masses[node.first_mass + q - 1].velocity[j]
+                v_left = masses[node.first_mass + q - 1].velocity[j]
             if q == node.link_count - 1:
-                right = node.incoming[1][j]
+                v_right = node.incoming[1][j]
             else:
-                right = masses[node.first_mass + q].velocity[j]
-            closing = left - right
+                v_right = masses[node.first_mass + q].velocity[j]
+            closing = v_left - v_right
             link.closing[j] = closing
-            link.overlaps[j] = link.overlap  # that at the start of the piece
+            link.overlaps[j] = link.overlap  # overlap at the start of the piece
+            # d'
             node.scratch_values[j] = share * (closing - link.mobility * link.force[j])
         if share != 0:
             integrate(node.scratch_values, h, link.overlaps)  # from overlaps[0] on
@@ -181,16 +190,17 @@ def update_motion(links: Links, masses: Masses, node: Node, h: float) -> None:
 
 
 def linearise(link: Link, h: float, is_first: bool) -> float:
-    """Set the tangent of the force of a link at each stage, and return the residual.
+    """Set the tangent law of a link at each stage, and return the residual.
 
-    The tangent is F = base + by_overlap d + by_closing closing. In the first Newton
-    step it is taken at the extrapolated overlap d + d' u + d'' u^2/2, u the time since
-    the start of the piece, whose duration is h, s.
+    The tangent law is F = base + by_overlap d + by_closing closing, taken at the
+    present d and closing. In the first Newton step (`is_first`) d is extrapolated: it
+    is d + d' u + d'' u^2/2, with the values at the start of the piece and u the time
+    since then, s. The piece has the duration h, s.
 
-    The residual is the largest difference of the law from the present force, relative
-    to the largest force, or to the round-off of the terms that cancel in it: a law with
-    damping has almost no force where bodies part almost as fast as it lets go. Without
-    any force it is 0.
+    The residual is the largest difference between the force by the contact law and the
+    present force, divided by the largest force. Large terms may cancel in the force,
+    for instance shortly before damping ends it: then CANCELLATION_RTOL times these
+    terms is the divisor. If all forces are 0, the residual is 0.
     """
     residual = 0.0
     largest = 0.0
@@ -209,6 +219,7 @@ def linearise(link: Link, h: float, is_first: bool) -> float:
         link.by_closing[j] = by_closing
         link.base[j] = base
         residual = max(residual, abs(F - link.force[j]))
+        # The terms that may cancel in F are about as large as `base`.
         largest = max(largest, abs(F), CANCELLATION_RTOL * abs(base))
     if largest > 0:
         return residual / largest
@@ -216,11 +227,12 @@ def linearise(link: Link, h: float, is_first: bool) -> float:
 
 
 def linearise_links(links: Links, node: Node, h: float, is_first: bool) -> float:
-    """Linearise all links of a node whose forces are unknown.
+    """Set the tangent laws of all links of a node whose forces are unknown.
 
-    Return the largest residual of the nonlinear laws, in the first step 1, as its
-    tangents are taken at an extrapolation. A linear law needs one Newton step, whatever
-    its residual: without others 0 is returned.
+    Return the largest relative residual of the nonlinear laws, see `linearise`. In the
+    first Newton step it is set to 1, since the overlaps are only extrapolated. Linear
+    laws do not count, as one Newton step solves them: without nonlinear ones 0 is
+    returned.
     """
     residual = 0.0
     for q in range(node.link_count):
@@ -237,17 +249,17 @@ def linearise_links(links: Links, node: Node, h: float, is_first: bool) -> float
 def set_equations(
     links: Links, masses: Masses, node: Node, h: float, G: Matrix, unknown_count: int
 ) -> None:
-    """Set the equations G of a Newton step, so that forces fulfil the tangent laws.
+    """Set the linear equations G of a Newton step for the changes of the forces.
 
-    Each of the `unknown_count` forces has an equation at each of the N stages: that of
-    force u at stage j is row N u + j of `G`, and its change is column N u + j. The
-    column behind these is the right side.
+    Each of the `unknown_count` forces has an equation at each of the N stages. Row
+    N u + j of `G` is the equation of force u at stage j, column N u + j belongs to its
+    change, and column N unknown_count is the right side.
 
-    The tangent law of a link, which `linearise_links` has set, is F = base + by_overlap
-    d + by_closing closing, with d and closing after the step. So the right side is the
-    force by the law at the present d and closing, less the present force, N. A link at
-    rest (REST) has no law: its force makes `closing` 0, and the right side is the
-    present `closing`, m/s.
+    The equation says that F = base + by_overlap d + by_closing closing holds after the
+    step: this is the tangent law of the link, which `linearise_links` has set. Its
+    right side is the force by this law at the present d and closing, minus the present
+    force, N. A link at rest (REST) has no law. Its force makes `closing` 0, so that the
+    right side is the present `closing`, m/s.
     """
     right_side = N * unknown_count
     for q in range(node.link_count):
@@ -262,7 +274,7 @@ def set_equations(
                 set_block(link, by_impulse, is_same, h, G, N * unknown)
         for j in range(N):
             if link.status == Status.REST:
-                present = 0.0  # its tangent is that of `closing`, not of a force
+                present = 0.0  # its tangent law is for `closing`, not for a force
             else:
                 present = link.force[j + 1]  # stage j is point j + 1
             G[N * link.unknown_index + j][right_side] = (
@@ -274,25 +286,27 @@ def set_equations(
 
 
 def closing_by_impulse(masses: Masses, node: Node, q: int, p: int) -> float:
-    """Return the change of the closing of link q by a unit impulse in link p, 1/kg.
+    """Return the closing velocity of link q that a unit impulse in link p adds, 1/kg.
 
-    An impulse in the link itself drives the masses on both sides apart: -1/m_left -
-    1/m_right. One in a neighbour pushes the mass between them towards link q: 1/m.
-    Links further away change nothing: 0. The end of a rod counts as a mass without end.
+    An impulse in link q itself drives the masses on both sides apart: -1/m_left -
+    1/m_right. An impulse in a neighbouring link pushes the mass between both towards
+    link q: 1/m of that mass. Links further away add 0. The end of a rod counts as
+    infinitely heavy here: its motion is in the term Y F.
     """
-    # 1/m of the masses on both sides of link q; 0 for the end of a rod
-    left = 0.0
-    right = 0.0
+    # 1/m of the masses on both sides of link q, which are the masses q - 1 and q of the
+    # node; 0 for the end of a rod
+    inverse_left = 0.0
+    inverse_right = 0.0
     if q > 0:
-        left = 1 / masses[node.first_mass + q - 1].mass
+        inverse_left = 1 / masses[node.first_mass + q - 1].mass
     if q < node.link_count - 1:
-        right = 1 / masses[node.first_mass + q].mass
+        inverse_right = 1 / masses[node.first_mass + q].mass
     if p == q:
-        return -left - right
+        return -inverse_left - inverse_right
     if p == q - 1:
-        return left
+        return inverse_left
     if p == q + 1:
-        return right
+        return inverse_right
     return 0.0
 
 
@@ -301,29 +315,30 @@ def set_block(
 ) -> None:
     """Set the N by N block of G in the rows of a link, from `column` on.
 
-    Its columns are the forces of a second link, which may be the same. `by_impulse` is
-    the change of the closing rate of `link` by a unit impulse in the second one, 1/kg;
-    `is_same` says that both are one. Changes x of the second force, at the stages,
-    change
+    The columns of the block belong to the force of a second link, which may be the same
+    link (`is_same`). `by_impulse` is the closing velocity of `link` that a unit impulse
+    in the second link adds, 1/kg. h is the duration of the piece, s. If the second
+    force changes by x at the stages,
 
-        closing by (h/2) by_impulse S x,
-        d by share (h/2) S (change of closing - Y x if same),
+        closing changes by (h/2) by_impulse S x,
+        d changes by share (h/2) S (change of closing - Y x); Y x only if `is_same`,
 
-    with S = STAGES, S S = TWICE and the elastic share. The block is I - a S - b S S,
-    where (a S + b S S) x is the change of the force by the tangent law of `link`, and I
-    is 1 for the same link, unless it is at rest, else 0.
+    with the matrices of integration S = STAGES and S S = TWICE, and the elastic share.
+    By the tangent law this changes the force of `link` by (a S + b S S) x. The block is
+    I - a S - b S S. I is the identity matrix for the same link, unless it is at rest,
+    and 0 otherwise.
     """
-    half = 0.5 * h
-    closing_factor = half * by_impulse  # closing changes by this times S x
-    overlap_factor = half * elastic_share(link)  # d by this times S (...)
-    own_factor = 0.0  # share (h/2) Y, if same
-    identity = 0.0
+    half_duration = 0.5 * h
+    closing_factor = half_duration * by_impulse  # closing changes by this times S x
+    overlap_factor = half_duration * elastic_share(link)
+    own_factor = 0.0  # share (h/2) Y for the same link
+    identity = 0.0  # diagonal of I
     if is_same:
         own_factor = overlap_factor * link.mobility
         if link.status != Status.REST:
             identity = 1.0
-    # Columns to which S S adds: a force changes the velocity of a mass, and that the
-    # overlap. Without a mass between both links `by_impulse` is 0.
+    # A force changes the velocity of a mass, and the velocity changes the overlap: two
+    # integrals, S S. No mass takes part if `by_impulse` is 0, and no column gets S S.
     if by_impulse == 0:
         twice_columns = 0
     else:
@@ -353,21 +368,24 @@ def take_step(
     G: Matrix,
     unknown_count: int,
 ) -> None:
-    """Add the changes of forces to the forces, and update the motion.
+    """Take a Newton step: add the changes to the forces, and update the motion.
 
-    The changes are the last column of G. A link is stiff where the velocity scale would
-    change its force in the time h by more than the force itself. Its overlap, a small
-    difference of large numbers, is then not the integral of the closing rate, but d =
-    (F - base - by_closing closing)/by_overlap, from its tangent law.
+    The changes of the `unknown_count` forces are in column N unknown_count of G. h is
+    the duration of the piece, s.
+
+    The integral that gives the overlap of a stiff link is a small difference of large
+    numbers. It is replaced by d = (F - base - by_closing closing)/by_overlap, from the
+    tangent law. A link counts as stiff at a stage where the velocity scale would change
+    its force in the time h by more than the force itself.
     """
-    solution = N * unknown_count  # column of G with the changes
+    solution_column = N * unknown_count
     for q in range(node.link_count):
         link = links[node.first_link + q]
-        stages = N
+        stages = N  # number of stages at which the force changes
         if link.unknown_index == NONE:
-            stages = 0  # its force is given and does not change
-        for j in range(stages):
-            link.force[j + 1] += G[N * link.unknown_index + j][solution]
+            stages = 0  # its force is known
+        for j in range(stages):  # stage j is point j + 1
+            link.force[j + 1] += G[N * link.unknown_index + j][solution_column]
     update_motion(links, masses, node, h)
     for q in range(node.link_count):
         link = links[node.first_link + q]
@@ -385,22 +403,22 @@ def collocate(
 ) -> bool:
     """Solve a node over a piece; return whether Newton's method converged.
 
-    The piece has the duration h, s. Forces, velocities, closing rates and overlaps at
-    the points of the piece are set, from the incoming waves of the node and the states
-    of its links and masses. G is scratch. Newton's method fails if it diverges, or
-    takes more than MAX_NEWTON_STEPS.
+    The piece has the duration h, s. Forces, velocities, closing velocities and overlaps
+    at the points of the piece are set. They follow from the incoming waves of the node,
+    and from the states of its links and masses at the start of the piece. G is scratch.
+    False is returned if Newton's method diverges, or would need more than
+    MAX_NEWTON_STEPS.
 
-    Radau IIA is stiffly accurate: contacts far stiffer than the piece is long do no
-    harm.
+    Radau IIA is stiffly accurate: contacts with much shorter time constants than h do
+    no harm.
     """
     # Machine code counts no references to borrowed arrays.
     links = borrowed(links)
     masses = borrowed(masses)
     G = borrowed(G)
-    # Given forces are set here, the unknown ones counted.
     unknown_count = start_forces(links, node)
-    # Residual before the last step: if it was large, another step follows. No step was
-    # taken yet, so that the number here is any large one.
+    # Residual before the last step: another step follows if it was large. 1 is large
+    # enough for the first step to follow.
     residual = 1.0
     steps = 0
     update_motion(links, masses, node, h)
@@ -410,8 +428,10 @@ def collocate(
         is_first_step = steps == 0
         residual = linearise_links(links, node, h, is_first_step)
         set_equations(links, masses, node, h, G, unknown_count)
-        # The forces of neighbours are coupled, whose columns are less than 2 N apart.
-        series.eliminate(G, N * unknown_count, 2 * N)
+        # Only neighbouring links are coupled: all coefficients are less than 2 N from
+        # the diagonal.
+        band = 2 * N
+        series.eliminate(G, N * unknown_count, band)
         take_step(run, links, masses, node, h, G, unknown_count)
         steps += 1
     set_initial_forces(links, node)
@@ -419,16 +439,16 @@ def collocate(
 
 
 def set_initial_forces(links: Links, node: Node) -> None:
-    """Set the unknown forces at the start of a piece, and their derivatives.
+    """Set the forces at the start of a piece, and their derivatives, if unknown so far.
 
-    The contact laws give them, by the state of the link and its closing at the start.
-    The force between bodies at rest follows no law: it is extrapolated from the stages,
-    and its derivatives stay.
+    The contact laws give them as functions of the overlap and the closing velocity at
+    the start. The force between bodies at rest (REST) follows no law: it is
+    extrapolated from the stages, and its derivatives are left as they are.
     """
     for q in range(node.link_count):
         link = links[node.first_link + q]
         if link.status == Status.REST:
-            # `start_forces` has set force[0] to 0.
+            # `start_forces` has set force[0] to 0. Stage j is point j + 1.
             for j in range(N):
                 link.force[0] += START[j] * link.force[j + 1]
         elif link.unknown_index != NONE:
@@ -444,31 +464,32 @@ def set_initial_forces(links: Links, node: Node) -> None:
 
 
 def forbid_pulling(links: Links, node: Node) -> None:
-    """Let no contact of a node pull at any time in the piece.
+    """Remove negative values from the forces of the contacts of a node over a piece.
 
-    Only its forces are changed, and their impulse stays as before. Where a force falls
-    to 0 its polynomial may swing below 0 by about the tolerance. Let m > 0 (`swing`) be
-    at least as large as that, and J the integral of F over y, whose duration is 2. Then
-    (F + m) J/(J + 2 m) is never negative and has the integral J, too: it takes the
-    place of F. If J is not positive, F becomes 0.
+    Where a force falls to 0, its polynomial may fall slightly below 0. Let m > 0
+    (`swing`) be at least as large as its deepest value below 0, and J the integral of F
+    over y from -1 to 1. Then F is replaced by (F + m) J/(J + 2 m), which is never
+    negative, and has the integral J too: the impulse does not change. If J is not
+    positive, F becomes 0. Nothing but forces is changed. Forces of bonds and joints may
+    be negative, and stay.
     """
     for q in range(node.link_count):
         link = links[node.first_link + q]
         largest = series.largest(link.force)
         smallest = series.smallest(link.force)
-        # If the force is well above 0 at all points, it has no zero between them.
+        # If the force is well above 0 at all points, it is positive between them, too.
         may_swing = smallest < series.POSITIVE_RTOL * largest
-        # From PRESS on: a contact that presses, yields or rests, and no bond or joint
+        # The statuses from PRESS on are those of contacts that press, yield or rest.
         if link.status >= Status.PRESS and may_swing:
             # This sets `scratch_series` to the coefficients of the force.
             series.set_series(link.force, node.scratch_series)
             # A minimum well above 0 makes `swing` negative: the force stays as it is.
-            deepest = -series.minimum(node.scratch_series)
-            swing = SWING_FACTOR * deepest + SWING_ROUND_OFF * largest
-            impulse = series.integral(link.force)
+            depth = -series.minimum(node.scratch_series)
+            swing = SWING_FACTOR * depth + SWING_ROUND_OFF * largest
+            impulse = series.integral(link.force)  # J, N
             if swing > 0:
                 if impulse > 0:
-                    share = impulse / (impulse + 2 * swing)  # it keeps the impulse
+                    share = impulse / (impulse + 2 * swing)
                 else:
                     share = 0.0
                 for j in range(POINTS):
@@ -478,12 +499,13 @@ def forbid_pulling(links: Links, node: Node) -> None:
 def set_outgoing(links: Links, node: Node, side: int) -> None:
     """Set `node.outgoing` to the wave that leaves a node on a side, m/s.
 
-    It is that at the points of the piece. On the left (side 0) the wave a comes in and
-    a - 2 F/Z leaves, F the force of the first link. On the right (side 1) b comes in
-    and b + 2 F/Z leaves, F the force of the last link.
+    The piece has been solved; the wave is set at its points. On the left (side 0) the
+    wave a comes in and a - 2 F/Z leaves, with the force F of the first link. On the
+    right (side 1) the wave b comes in and b + 2 F/Z leaves, with the force F of the
+    last link.
     """
     link = links[outer_link(node, side)]
-    mobility = node.mobility[side]
+    mobility = node.mobility[side]  # 1/Z
     velocity_by_force = (4 * side - 2) * mobility  # -2/Z on the left, 2/Z on the right
     incoming = node.incoming[side]
     for j in range(POINTS):
@@ -493,19 +515,20 @@ def set_outgoing(links: Links, node: Node, side: int) -> None:
 def truncation_error(links: Links, masses: Masses, node: Node) -> float:
     """Return the truncation error of a piece, m/s: the largest tail of its series.
 
-    The series are those of incoming and leaving waves, of velocities of masses, and of
-    forces; `node.outgoing` is overwritten. Incoming waves count too, as they may cancel
-    in leaving ones. Forces count as velocities: a push as 2 Y F, the force of a link as
-    the velocity that it makes in a typical piece. That of a single link between two
-    rods is seen in the waves.
+    The tail of a series is its last two coefficients, see `series.truncation_estimate`.
+    The series are those of incoming waves, leaving waves, velocities of masses, and
+    forces. Incoming waves count too, as they may cancel in the leaving ones. Forces are
+    converted to velocities: a push F to 2 Y F, the force of a link to the velocity that
+    it makes in a typical piece. The force of a link that is alone in its node does not
+    count, as it is seen in the leaving waves. `node.outgoing` is overwritten.
     """
     worst = 0.0
     for side in range(2):
         link = links[outer_link(node, side)]
-        # PUSH_LEFT is of side 0, PUSH_RIGHT, the next number, of side 1.
-        if link.law == Law.PUSH_LEFT + side:  # the input on this side is a force
+        # PUSH_LEFT belongs to side 0, PUSH_RIGHT = PUSH_LEFT + 1 to side 1.
+        if link.law == Law.PUSH_LEFT + side:  # `incoming` is a force on this side
             velocity_by_input = 2 * link.effective_mobility
-        else:  # it is a wave
+        else:  # `incoming` is a wave
             velocity_by_input = 1.0
         error = series.truncation_estimate(node.incoming[side]) * velocity_by_input
         worst = max(worst, error)
@@ -516,14 +539,13 @@ def truncation_error(links: Links, masses: Masses, node: Node) -> float:
         body = masses[node.first_mass + i]
         worst = max(worst, series.truncation_estimate(body.velocity))
     if node.link_count == 1:
-        count = 0  # the force between two rods is seen in the leaving waves
+        forces = 0  # number of forces that count
     else:
-        count = node.link_count
-    for q in range(count):
+        forces = node.link_count
+    for q in range(forces):
         link = links[node.first_link + q]
         if overlap_changes(link):
-            # Velocity that 1 N makes in a typical piece;
-            # the mobility is that of a whole transit.
+            # `effective_mobility` is the velocity that 1 N makes in a whole transit.
             velocity_by_force = PIECE_PER_TRANSIT * link.effective_mobility
             error = velocity_by_force * series.truncation_estimate(link.force)
             worst = max(worst, error)
@@ -531,10 +553,10 @@ def truncation_error(links: Links, masses: Masses, node: Node) -> float:
 
 
 def wave_remainder(links: Links, node: Node, integrated: bool) -> float:
-    """Return the largest `series.remainder` of the waves of a piece, m/s.
+    """Return the largest estimated error of the waves of a piece, m/s.
 
-    They are those that arrive and leave. The remainder is an estimate of their error,
-    or of the error of their integrals if `integrated`. `node.outgoing` is overwritten.
+    It is the `series.remainder` of the waves that arrive at the node and that leave it,
+    or of their integrals over y if `integrated`. `node.outgoing` is overwritten.
     """
     largest = 0.0
     for side in range(2):
@@ -546,11 +568,11 @@ def wave_remainder(links: Links, node: Node, integrated: bool) -> float:
 
 
 def restrict_piece(links: Links, masses: Masses, node: Node, y: float) -> None:
-    """Cut a piece of a node at y, and keep the part before.
+    """Shorten a solved piece of a node: keep the part from its start to y.
 
-    y is -1 at its start and 1 at its end. The values of its incoming waves, forces,
-    overlaps, closing rates and velocities become those of the same polynomials at the
-    points of that part. `node.scratch_series` is overwritten.
+    y is -1 at the start of the piece and 1 at its end. Incoming waves, forces,
+    overlaps, closing velocities and velocities of masses get the values of the same
+    polynomials at the points of the part. `node.scratch_series` is overwritten.
     """
     for side in range(2):
         series.restrict(node.incoming[side], y, node.scratch_series)

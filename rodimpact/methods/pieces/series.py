@@ -1,12 +1,13 @@
 """Polynomials on a piece of time, as Chebyshev series in y.
 
-y goes from -1 at the start of the piece to 1 at its end. A piece is known by its values
-at its start and at the N points of Radau IIA, the last of which is the end: collocation
-there damps what is stiffer than the piece is long (Hairer and Wanner, Solving Ordinary
-Differential Equations II, section IV.5).
+y goes from -1 at the start of the piece to 1 at its end. The polynomial has degree N.
+It is given by its values at POINTS = N + 1 points: the start of the piece, and the N
+stages of the collocation method Radau IIA, the last of which is the end of the piece.
+This method damps motions that are too fast for the piece (Hairer and Wanner, Solving
+Ordinary Differential Equations II, section IV.5).
 
-f are values at the points, c coefficients of a series: sum of c[m] T_m(y), T_m(cos
-x) = cos(m x).
+Everywhere f are the values at the points, and c the coefficients of the Chebyshev
+series: the sum of c[m] T_m(y), with T_m(cos x) = cos(m x). Integrals are over y.
 """
 
 import math
@@ -21,39 +22,45 @@ N = 8
 POINTS = N + 1
 """Points of a piece: its start and the stages."""
 SAMPLES = 32
-"""Intervals of a piece in which its smallest value is looked for."""
+"""Number of equal intervals of a piece at whose ends its smallest value is sought."""
 POSITIVE_RTOL = 0.1
-"""Smallest over largest value at the points, above which no zero is between them."""
+"""Ratio of smallest to largest value at the points, above which there is no zero."""
 NEXT_INTEGRAL = 0.01
-"""Integral of the Chebyshev polynomial of the next degree, about."""
+"""Approximate integral of the Chebyshev polynomial of the next degree."""
 MAX_DECAY = 0.75
-"""Largest ratio of coefficients two degrees apart that falls: more is unresolved."""
-EXTREMUM_STEPS = 36
-"""Steps to an extremum.
+"""Largest ratio that is used of coefficients two degrees apart, later to earlier.
 
-Each leaves two thirds of the width: 5e-7 of it at the end.
+Coefficients with a larger ratio hardly fall: the series does not resolve the function.
+"""
+EXTREMUM_STEPS = 36
+"""Number of steps of the search for an extremum.
+
+Each step reduces the width of the interval to two thirds, all of them to 5e-7.
 """
 BISECTIONS = 54
-"""Steps to a zero.
+"""Number of steps of the search for a zero.
 
-Each leaves half of the width: that is below round-off at the end.
+Each step halves the width of the interval, which is below round-off at the end.
 """
 EXTREMUM_RTOL = 4 * (2 / 3) ** (2 * EXTREMUM_STEPS)
-"""Possible miss of an extremum there, over the rise to it from the lower neighbour.
+"""Error of a maximum that was found, over its rise from the lower end of the interval.
 
-A parabola whose vertex is in a width w rises to it by r = abs(f'') w^2/8 at least from
-the lower end; at a distance of u w from the vertex it is lower by
-abs(f'') (u w)^2/2 = 4 u^2 r.
+A parabola with its vertex in an interval of width w rises by r >= abs(f'') w^2/8 from
+the lower end to the vertex. At a distance of u w from the vertex it is lower than the
+vertex by abs(f'') (u w)^2/2 <= 4 u^2 r. After the search u is at most
+(2/3)^EXTREMUM_STEPS.
 """
 
 Values: TypeAlias = Sequence[float]
 """Values at the points of a piece, or coefficients of a series."""
 MutableValues: TypeAlias = MutableSequence[float]
-"""The same, where a function sets them."""
+"""Values or coefficients that a function sets."""
 Matrix: TypeAlias = Sequence[MutableSequence[float]]
+"""Rows of a matrix, which a function may set."""
 
+# The stages of Radau IIA are the zeros of P_(N-1) - P_N, P the Legendre polynomials.
 _LAST = legendre.Legendre.basis(N - 1) - legendre.Legendre.basis(N)
-_RADAU = np.append(np.sort(_LAST.roots().real)[:-1], 1.0)
+_RADAU = np.append(np.sort(_LAST.roots().real)[:-1], 1.0)  # the last one is exactly 1
 _START_AND_STAGES = np.concatenate(([-1.0], _RADAU))
 _STAGES_TO_SERIES = np.linalg.inv(chebyshev.chebvander(_RADAU, N - 1))
 _VALUES_TO_SERIES = np.linalg.inv(chebyshev.chebvander(_START_AND_STAGES, N))
@@ -61,34 +68,35 @@ _SERIES_AT_START = chebyshev.chebvander([-1.0], N - 1)
 _INTEGRALS = [
     chebyshev.Chebyshev(column).integ(lbnd=-1) for column in _STAGES_TO_SERIES.T
 ]
-"""Integrals from -1 on of polynomials that are 1 at one stage, 0 at the others."""
+"""Integrals from -1 on of the polynomials that are 1 at one stage, 0 at the others."""
 
 X: list[float] = _START_AND_STAGES.tolist()
-"""Places of the points."""
+"""The points: X[j] is the y of point j."""
 SERIES: list[list[float]] = _VALUES_TO_SERIES.tolist()
 """Matrix from values at the points to coefficients of the Chebyshev series."""
 STAGES: list[list[float]] = [[float(each(y)) for each in _INTEGRALS] for y in _RADAU]
-"""Matrix from values at the stages to integrals from -1 to each of these."""
+"""Matrix from values at the stages to the integrals from -1 to each stage."""
 TWICE: list[list[float]] = (np.array(STAGES) @ np.array(STAGES)).tolist()
-"""Matrix from values at the stages to the integrals of these integrals."""
+"""Matrix from values at the stages to the second integrals from -1 to each stage."""
 START: list[float] = (_SERIES_AT_START @ _STAGES_TO_SERIES)[0].tolist()
-"""Weights of the stages in the value at the start, extrapolated."""
+"""Weights of the stages in the value extrapolated to the start."""
 WEIGHTS: list[float] = STAGES[N - 1][:]
-"""Weights of the stages in the integral over the piece; exact up to degree 2N - 2."""
+"""Weights of the stages in the integral from -1 to 1; exact up to degree 2N - 2."""
 
 
 class Maximum(NamedTuple):
     """The largest value of a polynomial on a piece."""
 
     value: float
-    place: float  # y, from -1 at the start of the piece to 1 at its end
-    miss: float  # largest amount by which the search may have missed the value
+    position: float  # y, from -1 at the start of the piece to 1 at its end
+    miss: float  # largest amount by which the true maximum may be above `value`
 
 
 def value(c: Values, y: float) -> float:
     """Return the value of the series c at y.
 
-    By Clenshaw's recurrence b_m = 2 y b_(m+1) - b_(m+2) + c_m it is y b_1 - b_2 + c_0.
+    Clenshaw's recurrence b_m = 2 y b_(m+1) - b_(m+2) + c_m runs from m = N down to 1.
+    The value is y b_1 - b_2 + c_0.
     """
     b1 = 0.0  # b_(m+1)
     b2 = 0.0  # b_(m+2)
@@ -101,12 +109,12 @@ def value(c: Values, y: float) -> float:
 
 
 def slope_at_end(c: Values, end: float) -> float:
-    """Return the derivative by y of the series c at an end of the piece, -1 or 1.
+    """Return the derivative by y of the series c at an end of the piece.
 
-    That of T_m is end^(m+1) m^2 there.
+    `end` is the y of this end, -1 or 1. The derivative of T_m is end^(m+1) m^2 there.
     """
     s = 0.0
-    sign = end  # end^(m+1)
+    sign = end  # end^(m+1) for m = 0
     for m in range(1, POINTS):
         sign *= end
         s += sign * m * m * c[m]
@@ -116,16 +124,17 @@ def slope_at_end(c: Values, end: float) -> float:
 def slope(c: Values, y: float) -> float:
     """Return the derivative by y of the series c at y: the sum of m c_m U_(m-1)(y).
 
-    U are the Chebyshev polynomials of the second kind, U_m = 2 y U_(m-1) - U_(m-2).
+    U_m are the Chebyshev polynomials of the second kind, with the recurrence
+    U_m = 2 y U_(m-1) - U_(m-2).
     """
     s = 0.0
-    before = 0.0  # U_(m-2)
+    u_before = 0.0  # U_(m-2)
     u = 1.0  # U_(m-1)
     for m in range(1, POINTS):
         s += m * c[m] * u
-        after = 2 * y * u - before
-        before = u
-        u = after
+        u_after = 2 * y * u - u_before
+        u_before = u
+        u = u_after
     return s
 
 
@@ -135,8 +144,8 @@ def set_series(f: Values, c: MutableValues) -> None:
     f and c have POINTS entries each.
     """
     for m in range(POINTS):
-        # Coefficient m is the product of row m of SERIES with the values. The row is
-        # taken out of the inner loop, as a view costs more than a product.
+        # Coefficient m is the product of row m of SERIES with the values. To take a row
+        # of the matrix costs more than a multiplication: it is done before the loop.
         row = SERIES[m]
         s = 0.0
         for j in range(POINTS):
@@ -145,9 +154,9 @@ def set_series(f: Values, c: MutableValues) -> None:
 
 
 def integral(f: Values) -> float:
-    """Return the integral over y from -1 to 1 of a polynomial with values f.
+    """Return the integral over y from -1 to 1 of the polynomial with the values f.
 
-    They are those at the points. The value at the start, f[0], is not needed.
+    f are the values at the points. The value at the start, f[0], is not used.
     """
     s = 0.0
     for j in range(N):
@@ -158,70 +167,71 @@ def integral(f: Values) -> float:
 def truncation_estimate(f: Values) -> float:
     """Return abs(c[N - 1]) + abs(c[N]) of the series with the values f at the points.
 
-    This tail measures the truncation error.
+    This sum of the last two coefficients, the tail, measures the truncation error.
     """
-    before = 0.0  # c[N - 1]
+    last_but_one = 0.0  # c[N - 1]
     last = 0.0  # c[N]
-    row_before = SERIES[N - 1]
+    row_last_but_one = SERIES[N - 1]
     row_last = SERIES[N]
     for j in range(POINTS):
-        before += row_before[j] * f[j]
+        last_but_one += row_last_but_one[j] * f[j]
         last += row_last[j] * f[j]
-    return abs(before) + abs(last)
+    return abs(last_but_one) + abs(last)
 
 
 def remainder(f: Values, integrated: bool) -> float:
     """Return an estimate of the error of a polynomial, or of its integral.
 
-    It has the values f at the points. Its error is the coefficients beyond degree N. If
-    coefficients fall by a factor r from degree to degree, and `tail` is the sum of the
-    last two, these are e = tail r (1 + r^2 + r^4 + ...) = tail r/(1 - r^2) together.
+    f are the values of the polynomial at the points. Its error e is the sum of the
+    coefficients beyond degree N. If coefficients fall by a factor r from degree to
+    degree, and `tail` is the sum of the last two up to N, then
+    e = tail r (1 + r^2 + r^4 + ...) = tail r/(1 - r^2).
 
-    Of the integral (`integrated`) the error is e (r^2 + 0.01): the integrals of the
-    coefficients left out are about a hundredth of them, and collocation integrates far
-    better than it follows values, about as tail r^3.
+    The error of the integral (`integrated`) is e (r^2 + 0.01). The second term is for
+    the integrals of the missing polynomials, which are about a hundredth of their
+    coefficients. The first term is the error of collocation, whose integrals are far
+    more precise than its values: about tail r^3.
     """
-    last = 0.0  # tail: abs(c[N - 1]) + abs(c[N])
-    before = 0.0  # abs(c[N - 3]) + abs(c[N - 2])
-    for m in range(N - 3, POINTS):  # the last four coefficients, two and two
-        row = SERIES[m]  # it gives coefficient m
-        s = 0.0
+    tail = 0.0  # abs(c[N - 1]) + abs(c[N])
+    tail_before = 0.0  # abs(c[N - 3]) + abs(c[N - 2])
+    for m in range(N - 3, POINTS):  # the last four coefficients
+        row = SERIES[m]
+        s = 0.0  # coefficient m
         for j in range(POINTS):
             s += row[j] * f[j]
         if m < N - 1:
-            before += abs(s)
+            tail_before += abs(s)
         else:
-            last += abs(s)
-    # The sums that are compared are two degrees apart: their ratio is r^2.
-    if last < MAX_DECAY * before:
-        square = last / before
+            tail += abs(s)
+    # r^2: the two sums are two degrees apart
+    if tail < MAX_DECAY * tail_before:
+        r_squared = tail / tail_before
     else:  # the coefficients hardly fall
-        square = MAX_DECAY
-    error = last * math.sqrt(square) / (1 - square)
+        r_squared = MAX_DECAY
+    error = tail * math.sqrt(r_squared) / (1 - r_squared)
     if integrated:
-        error *= square + NEXT_INTEGRAL
+        error *= r_squared + NEXT_INTEGRAL
     return error
 
 
 def error_at(f: Values, y: float) -> float:
-    """Return an estimate of the error of the polynomial with the values f at y.
+    """Return an estimate of the error at y of the polynomial with the values f.
 
-    The next coefficient, c, is missed by c (T_(N+1)(y) - its polynomial through the
-    points). That is c 2^N (y - x_0) (y - x_1) ...: it is 0 at the points, where values
-    have the error of collocation.
+    It has two parts. Between the points, the error is that of interpolation without the
+    next polynomial, of degree N + 1: its coefficient, for which `remainder` is taken,
+    times abs(2^N (y - x_0) (y - x_1) ... (y - x_N)), which is 0 at the points. At the
+    points the values have the error of collocation, the `remainder` of the integral.
     """
-    share = 1.0  # 2^(N + 1) (y - x_0) (y - x_1) ..., of which half is wanted
+    product = 1.0  # abs(2^(N+1) (y - x_0) ... (y - x_N)), twice what is wanted
     for j in range(POINTS):
-        share *= 2 * abs(y - X[j])
-    between = 0.5 * share * remainder(f, False)  # that of values
-    return between + remainder(f, True)  # that of integrals, as of collocation
+        product *= 2 * abs(y - X[j])
+    value_error = remainder(f, False)
+    integral_error = remainder(f, True)  # of the integral
+    return 0.5 * product * value_error + integral_error
 
 
 def is_constant(f: Values) -> bool:
-    """Return whether the values at all points are the same.
-
-    The polynomial is constant then.
-    """
+    """Return whether the values at all points are equal: the polynomial is constant."""
     same = True
     for j in range(1, POINTS):
         same = same and f[j] == f[0]
@@ -229,25 +239,26 @@ def is_constant(f: Values) -> bool:
 
 
 def restrict(f: MutableValues, y: float, c: MutableValues) -> None:
-    """Replace f by the values of the same polynomial in the part from -1 to y.
+    """Shorten a piece: keep the polynomial with the values f from -1 to y.
 
-    They are those at the points of that part. c is scratch. A constant f stays as it
-    is.
+    f becomes the values of the same polynomial at the points of this part. c is
+    scratch. A constant f stays as it is.
     """
     if is_constant(f):
         return
     set_series(f, c)
     for j in range(POINTS):
-        # Point j of the part: the part is (y + 1)/2 times as long as the whole piece.
-        place = 0.5 * (y + 1) * (X[j] + 1) - 1
-        f[j] = value(c, place)
+        # y of point j of the part, which is (y + 1)/2 times as long as the whole piece
+        y_j = 0.5 * (y + 1) * (X[j] + 1) - 1
+        f[j] = value(c, y_j)
 
 
 def first_zero(c: Values, low: float, high: float) -> float:
-    """Return the place between `low` and `high` at which the series c falls below 0.
+    """Return the y between `low` and `high` at which the series c falls below 0.
 
-    It is found by bisection. The series is 0 or more at `low`, and negative at `high`
-    and at the place returned. If it has several zeros there, this is one of them.
+    The series must be 0 or more at `low`, and negative at `high`. It is negative at the
+    y that is returned, which bisection finds. If there are several zeros, it is one of
+    them, not always the first.
     """
     for _ in range(BISECTIONS):
         middle = 0.5 * (low + high)
@@ -274,11 +285,12 @@ def smallest(f: Values) -> float:
     return least
 
 
-def place_of_minimum(c: Values, low: float, high: float) -> float:
-    """Return the place between `low` and `high` at which the series c has its minimum.
+def position_of_minimum(c: Values, low: float, high: float) -> float:
+    """Return the y between `low` and `high` at which the series c has its minimum.
 
-    There is one minimum in between, which may be at an end. Of three thirds, each step
-    leaves out the outer one beside the larger of the two values in between.
+    There must be only one minimum between them, which may be at an end. This is a
+    ternary search: each step compares the values at one and two thirds of the interval,
+    and drops the outer third beside the larger value.
     """
     for _ in range(EXTREMUM_STEPS):
         third = (high - low) / 3
@@ -290,11 +302,11 @@ def place_of_minimum(c: Values, low: float, high: float) -> float:
 
 
 def minimum(c: Values) -> float:
-    """Return the smallest value of the series c from -1 to 1, or a bound of it.
+    """Return the smallest value of the series c from -1 to 1, or a lower bound of it.
 
-    A series is c[0] - abs(c[1]) - abs(c[2]) - ... or more. If this bound is not
-    negative, it is returned. Else the smallest value is searched for beside the
-    smallest of samples.
+    No value is below c[0] - abs(c[1]) - abs(c[2]) - ... This bound is returned if it is
+    not negative. Otherwise the smallest of SAMPLES + 1 evenly spaced values is found,
+    then the minimum near it.
     """
     bound = c[0]  # no value is smaller
     for m in range(1, POINTS):
@@ -302,30 +314,31 @@ def minimum(c: Values) -> float:
     least = bound
     if bound < 0:
         step = 2.0 / SAMPLES
-        best = 0  # sample with the smallest value; sample k is at step k - 1
+        best = 0  # number of the smallest sample; sample k is at y = step k - 1
         least = value(c, -1.0)
         for k in range(1, SAMPLES + 1):
             sample = value(c, step * k - 1.0)
             if sample < least:
                 least = sample
                 best = k
-        # The minimum lies between the samples on both sides of that one.
+        # The minimum lies between the two neighbours of the smallest sample.
         low = max(-1.0, step * (best - 1) - 1.0)
         high = min(1.0, step * (best + 1) - 1.0)
-        y = place_of_minimum(c, low, high)
+        y = position_of_minimum(c, low, high)
         least = min(least, value(c, y))
     return least
 
 
 def maximum(f: Values, c: MutableValues, least: float) -> Maximum:
-    """Return the largest value of a polynomial, its place, and a possible miss.
+    """Return the largest value of a polynomial, its position, and a possible miss.
 
-    It has the values f at the points. c is scratch: it gets the series. A larger value
-    is searched for between the neighbours of the largest of f. If none is found, or
-    none can be above `least`, the largest of f is returned, with a miss of 0. No value
-    is above c[0] + abs(c[1]) + abs(c[2]) + ...
+    f are the values of the polynomial at the points. c is scratch: it becomes the
+    series. The maximum is searched for between the two neighbours of the largest of f.
+    That value itself is returned, with a miss of 0, if the search finds nothing larger,
+    or is not needed: if the bound c[0] + abs(c[1]) + abs(c[2]) + ... of all values is
+    at most `least`.
     """
-    best = 0  # point of the largest value
+    best = 0  # point of the largest of f
     for j in range(POINTS):
         if f[j] > f[best]:
             best = j
@@ -334,13 +347,14 @@ def maximum(f: Values, c: MutableValues, least: float) -> Maximum:
     low = X[before]
     high = X[after]
     set_series(f, c)
-    reach = c[0]  # no value is larger
+    bound = c[0]  # no value is larger
     for m in range(1, POINTS):
-        reach += abs(c[m])
-    if reach <= least:
-        return Maximum(f[best], X[best], 0.0)
-    # A search in thirds rather than a parabola through three points: that would miss a
-    # vertex beside an outermost point. The third beside the smaller value is left out.
+        bound += abs(c[m])
+    no_miss = 0.0
+    if bound <= least:
+        return Maximum(f[best], X[best], no_miss)
+    # Ternary search: each step drops the outer third beside the smaller value. (A
+    # parabola through three points would miss a vertex near the start or the end.)
     for _ in range(EXTREMUM_STEPS):
         first_third = (2 * low + high) / 3
         second_third = (low + 2 * high) / 3
@@ -350,33 +364,34 @@ def maximum(f: Values, c: MutableValues, least: float) -> Maximum:
             high = second_third
     most = value(c, low)
     if most <= f[best]:  # no value between the points is larger
-        return Maximum(f[best], X[best], 0.0)
+        return Maximum(f[best], X[best], no_miss)
     rise = most - min(f[before], f[after])  # from the lower neighbour
-    return Maximum(most, low, EXTREMUM_RTOL * rise)
+    miss = EXTREMUM_RTOL * rise
+    return Maximum(most, low, miss)
 
 
 def set_parabola(f: MutableValues, whole: float, tilt: float, bend: float) -> None:
-    """Set f to the parabola p with these integrals.
+    """Set f to the values of a parabola p, given by three integrals, at the points.
 
-    Those of p P0, p P1 and p P2 are `whole`, `tilt` and `bend`. The integrals are over
-    y from -1 to 1. P are the Legendre polynomials, P2 = 1.5 y^2 - 0.5, so p = (1/2)
-    whole P0 + (3/2) tilt P1 + (5/2) bend P2.
+    `whole`, `tilt` and `bend` are the integrals of p P0, p P1 and p P2 over y from -1
+    to 1, with the Legendre polynomials P0 = 1, P1 = y and P2 = 1.5 y^2 - 0.5. Since
+    these are orthogonal, p = (1/2) whole P0 + (3/2) tilt P1 + (5/2) bend P2.
     """
     for j in range(POINTS):
         f[j] = 0.5 * whole + 1.5 * tilt * X[j] + 2.5 * bend * (1.5 * X[j] * X[j] - 0.5)
 
 
 def flatten(f: MutableValues) -> None:
-    """Replace f by the parabola that is nearest to its polynomial in mean squares.
+    """Replace f by the parabola nearest to its polynomial by least squares.
 
-    That is the parabola with the same integrals times the Legendre polynomials P0, P1
-    and P2.
+    f are values at the points. The parabola has the same integrals of f P0, f P1 and
+    f P2 over y, with the Legendre polynomials P0, P1 and P2.
     """
     whole = 0.0  # integral of f P0
-    tilt = 0.0  # of f P1
-    bend = 0.0  # of f P2
+    tilt = 0.0  # integral of f P1
+    bend = 0.0  # integral of f P2
     for j in range(1, POINTS):
-        w = WEIGHTS[j - 1] * f[j]  # what point j adds to the integral of f
+        w = WEIGHTS[j - 1] * f[j]  # share of point j in the integral of f
         whole += w
         tilt += w * X[j]  # P1 = y
         bend += w * (1.5 * X[j] * X[j] - 0.5)  # P2
@@ -384,17 +399,18 @@ def flatten(f: MutableValues) -> None:
 
 
 def eliminate(G: Matrix, n: int, band: int) -> None:
-    """Solve n equations by Gauss elimination in place.
+    """Solve n linear equations by Gauss elimination in place.
 
-    Column n of G, the right side, becomes x. All coefficients are less than `band` from
-    the diagonal; pivoting fills as much again on the right. The other columns of G are
-    spoilt. G is not singular.
+    Column n of G is the right side; it becomes the solution x, and the other columns
+    are overwritten. G must be a band matrix: coefficients are 0 from `band` columns
+    away from the diagonal on. Row exchanges widen the band to twice as much on the
+    right. G must not be singular.
     """
     for i in range(n):
-        # Column i is 0 from row `below` on, row i from column `right` on.
+        # Column i is 0 from row `below` on, row i is 0 from column `right` on.
         below = min(n, i + band)
         right = min(n, i + 2 * band)
-        # Row of the pivot, the largest coefficient of column i from the diagonal on
+        # Row of the pivot: the largest coefficient of column i on or below the diagonal
         p = i
         most = abs(G[i][i])
         for j in range(i + 1, below):
@@ -403,9 +419,9 @@ def eliminate(G: Matrix, n: int, band: int) -> None:
                 most = abs(G[j][i])
         row = G[i]
         pivot_row = G[p]
-        # Columns from i on, and column n, are swapped.
+        # Swap both rows, from column i on, and in column n.
         if p == i:
-            swap_end = i  # there is nothing to swap: both are one row
+            swap_end = i  # nothing is swapped: both are the same row
         else:
             swap_end = right
         for q in range(i, swap_end):
@@ -422,5 +438,5 @@ def eliminate(G: Matrix, n: int, band: int) -> None:
         row = G[i]
         s = row[n]
         for q in range(i + 1, min(n, i + 2 * band)):
-            s -= row[q] * G[q][n]  # column n holds x of the later rows by now
+            s -= row[q] * G[q][n]  # in later rows column n is the solution by now
         row[n] = s / row[i]
