@@ -16,7 +16,11 @@ import rodimpact as ri
 from rodimpact.methods import kernels, record_lists
 from rodimpact.methods.grid import contact_kernel as contacts
 from rodimpact.methods.grid import elimination_kernel as elimination
-from rodimpact.methods.grid.proof import finality_time, present, side_of
+from rodimpact.methods.grid.proof import (
+    finality_time,
+    group_at_contact,
+    present_motion,
+)
 from rodimpact.methods.grid.records import LINK
 from rodimpact.methods.link import Law
 
@@ -492,13 +496,13 @@ def test_an_end_is_where_the_proof_says_and_stays_within_its_bound(seed, mirrore
     node = left_node if right_end else right_node
 
     run.advance(0)
-    V, deviation, bound = side_of(run, node, right_end, present(run))
+    V, deviation, bound = group_at_contact(run, node, right_end, present_motion(run))
 
     largest = bound * (1 + 1e-12)
     for steps in (1, 7, 50, 51, 400):
         run.advance(steps)
-        velocity, later_deviation, later_bound = side_of(
-            run, node, right_end, present(run)
+        velocity, later_deviation, later_bound = group_at_contact(
+            run, node, right_end, present_motion(run)
         )
         t = steps * STEP
         moved = float(solution.displacement(body, x, t) - at_start)  # m

@@ -10,7 +10,7 @@ from networks import unit_rod
 from scipy.linalg import expm
 
 import rodimpact as ri
-from rodimpact.methods.grid.proof import present, side_of
+from rodimpact.methods.grid.proof import group_at_contact, present_motion
 
 QUICK = ri.Material("quick", youngs_modulus=6.0, density=1.5)  # wave speed 2
 METHODS = {"characteristics": {}, "finite-difference": {"cells": 64}}
@@ -157,7 +157,8 @@ def sides_of(system, steps):
     sides = []
     for step in steps:
         run.advance(step)
-        side = side_of(run, node, right_end=True, state=present(run))
+        state = present_motion(run)
+        side = group_at_contact(run, node, right_end=True, state=state)
         sides.append((side.mean + run.row.frame, side.deviation, side.bound))
     return sides
 

@@ -1,19 +1,20 @@
 """Links on a time step: their laws, and chains of links that are solved together.
 
 A force F > 0 in a link pushes two bodies apart. Over one step the bodies obey linear
-laws, so the links close by w = force_free_closing - A F, with A a tridiagonal Stieltjes
-matrix: a link feels its own force, and through the body between them the forces of its
-two neighbours. Its law gives F of w.
+laws, so the links close by w = force_free_closing - A F with a tridiagonal Stieltjes
+matrix A: the closing of a link depends on its own force and, through the bodies between
+the links, on the forces of its two neighbours. The law of the link gives F as a
+function of w.
 
-A compliant contact has the overlap x, and over a step the force
-(U(x1) - U(x0))/(x1 - x0) of its stored energy U (discrete gradient: Gonzalez, J.
-Nonlinear Sci. 6, 1996), and the mean force of its dashpot over the same path. It pulls
-nowhere. This force is convex and increasing in x1, so Newton's method falls on the root
-from the right. A joint is a spring and a dashpot that pull as well. A yielding contact
-is a spring up to its yield force; x counts from where its faces have moved to. A rigid
-contact takes the force that keeps its closing below `max_closing`. An impact of rigid
-bodies takes the force that leaves a closing velocity of at most -e times the one before
-(Moreau, CISM 302, 1988).
+A compliant contact has the overlap x. Its mean force over a step is
+(U(x1) - U(x0))/(x1 - x0) with its stored energy U (discrete gradient: Gonzalez, J.
+Nonlinear Sci. 6, 1996), plus the mean force of its dashpot over the same path. It never
+pulls. This force is convex and increasing in x1, so Newton's method converges to the
+root from the right. A joint is a spring and a dashpot that can also pull. A yielding
+contact is a spring up to its yield force; x is counted from the permanently displaced
+faces. A rigid contact has the force that keeps its closing at or below `max_closing`.
+An impact of rigid bodies has the force that leaves a closing velocity of at most -e
+times the one before (Moreau, CISM 302, 1988).
 
 Units are those of `records`.
 """
@@ -27,34 +28,34 @@ from .records import Link
 
 EPS = 1 / (1 << 52)
 UNSOLVED_RTOL = 1 / (1 << 24)
-"""Change of closings, over the largest speed, at which a chain has no solution."""
+"""Change of closings, over the largest speed, above which a chain is not solved."""
 NEWTON_RTOL = 1 / (1 << 27)
-"""Relative Newton step after which the next one is round-off.
+"""Relative Newton step after which the next step is round-off.
 
 Convergence is quadratic.
 """
 MAX_NEWTON_STEPS = 100
-"""Iterations of one contact: a bound that is not met in practice."""
+"""Largest number of iterations for one contact, not reached in practice."""
 MAX_SWEEPS = 2000
-"""Sweeps over one chain, see `solve_chain`: the last of them counts as it is."""
+"""Largest number of sweeps over one chain, see `solve_chain`."""
 
 
 def solve_link(link: Link, c: float) -> tuple[float, float, float]:
     """Find the mean force F of a compliant contact, or of a joint, in this step.
 
-    It solves x1 = x0 + c - y F(x0, x1), y the self mobility, for F and the overlap x1
-    at the end of the step. F of a contact is `contact_laws.mean_force`, and is not
-    negative. Its equation is solved by Newton's method, from the guess link.overlap
-    for a law that does not yield; after `MAX_NEWTON_STEPS` the last iterate is
-    returned, without an error. A joint may pull, see `solve_joint`. The link is not
-    changed.
+    The equation x1 = x0 + c - y F(x0, x1), with the self mobility y, is solved for F
+    and the overlap x1 at the end of the step. For a contact F is
+    `contact_laws.mean_force`, which is not negative, and the equation is solved by
+    Newton's method. The first guess is link.overlap, except for a yielding contact.
+    After `MAX_NEWTON_STEPS` the last iterate is returned, without an error. A joint may
+    pull, see `solve_joint`. The link is not changed.
 
     Parameters
     ----------
     link : Link
-        x0, the overlap at the start of the step, is -link.gap.
+        The overlap x0 at the start of the step is -link.gap.
     c : float
-        Closing in this step without the own force, m/s.
+        Closing in this step without the link's own force, m/s.
 
     Returns
     -------
@@ -65,9 +66,9 @@ def solve_link(link: Link, c: float) -> tuple[float, float, float]:
         return solve_joint(link, c)
     x0 = -link.gap
     y = link.self_mobility
-    free_x1 = x0 + c  # x1 without the own force, the largest that it may be
-    # First guess x of x1, on the right of the root if it can be: the residual
-    # x - free_x1 + y F(x0, x) rises with x, and is 0 at the root.
+    free_x1 = x0 + c  # x1 without the link's own force, an upper bound of x1
+    # x is the first guess of x1, if possible on the right of the root: the residual
+    # x - free_x1 + y F(x0, x) increases with x and is 0 at the root.
     yields = False  # whether x1 is beyond the overlap at which the contact yields
     if link.law == Law.YIELD:
         elastic_limit = link.yield_force / link.stiffness
@@ -86,40 +87,41 @@ def solve_link(link: Link, c: float) -> tuple[float, float, float]:
     for _ in range(MAX_NEWTON_STEPS):
         F, slope = contact_laws.mean_force(link, x0, x)
         residual = x - free_x1 + y * F
-        # The mean force of a contact that yields bends both ways, its work only up.
-        # Therefore the root is that of (x - x0) residual. Its derivative, divided by
-        # x - x0, is that of the residual, 1 + y slope, and residual/(x - x0).
+        # For a contact that yields the mean force is not convex, but its work is. So
+        # Newton's method is applied to (x - x0) residual. Its derivative, divided by
+        # x - x0, is 1 + y slope (that of the residual) plus residual/(x - x0).
         further_slope = 0.0
         if yields:
             further_slope = residual / (x - x0)
         step = residual / (1 + y * slope + further_slope)
         F = F - slope * step  # the force at the new x, to first order
         x = min(x - step, free_x1)
-        # A step is small beside the overlap, or, if the contact opens in this step,
-        # beside the way that it goes.
+        # The Newton step is compared with the overlap, or, if the contact opens in this
+        # step, with the change of the gap.
         if x > 0:
             size = x
         else:
             size = x0 - x
-        # In a contact that is not stiff, round-off of the closing is round-off of x.
-        # The overlap of a stiff one is small beside the closing that it stops.
+        # In a soft contact x has the round-off of the closing. In a stiff contact the
+        # overlap is much smaller than the closing that it stops.
         tolerance = 0.0
         if y * slope <= 1:
             tolerance = 4 * EPS * (abs(x0) + abs(c))
         if abs(step) <= max(NEWTON_RTOL * size, tolerance):
             break
     if y * slope > 1:
-        # For a stiff contact this is more accurate than the law, because x is small.
+        # For a stiff contact the equation gives F more accurately than the law, because
+        # x is small.
         F = (free_x1 - x) / y
-    return max(F, 0 * F), x, slope  # 0 * F is 0 as the same kind of number
+    return max(F, 0 * F), x, slope  # 0 * F is the 0 of the same number type
 
 
 def solve_joint(link: Link, c: float) -> tuple[float, float, float]:
     """Find the mean force of a joint in this step; it may pull (F < 0).
 
-    Arguments and results are those of `solve_link`. With the stiffness k and the
-    damping d the force is linear, F = k (x0 + x1)/2 + d (x1 - x0), which is
-    k x0 + slope (x1 - x0). With x1 - x0 = c - y F this is solved for F.
+    Arguments and results are those of `solve_link`: F, x1, dF/dx1. With the stiffness k
+    and the damping d the force is linear: F = k (x0 + x1)/2 + d (x1 - x0), which is
+    k x0 + slope (x1 - x0). Together with x1 - x0 = c - y F this is solved for F.
     """
     x0 = -link.gap
     y = link.self_mobility
@@ -134,13 +136,14 @@ def solve_joint(link: Link, c: float) -> tuple[float, float, float]:
 def closing_without_own_force(links: Any, i: int) -> float:
     """Closing of link i in this step if its own force were 0, m/s.
 
-    It is that without forces, and what the present forces of the links before and after
-    it add. Nothing is changed. The first link has the last one before it, and the last
-    has the first one after it: the coupling of links of two chains is 0.
+    It is the closing without any forces plus the closings by the present forces of the
+    links before and after it. Nothing is changed.
     """
     link = links[i]
+    # Indices wrap around: -1 is the last link, and after the last link comes the first.
+    # This does no harm, as the coupling between two chains is 0.
     before = links[i - 1]
-    after = links[i + 1 - len(links)]  # a negative index counts from the end
+    after = links[i + 1 - len(links)]
     by_before = link.coupling_mobility * before.force
     by_after = after.coupling_mobility * after.force
     c: float = link.force_free_closing + by_before + by_after
@@ -152,10 +155,11 @@ def gauss_seidel_sweep(
 ) -> tuple[float, float]:
     """Set the forces of the links of a chain once, one after the other.
 
-    Each force is found with the others as they are: a rigid link, or an impact, takes
-    F = max(0, (c - max_closing)/mobility), c its closing without F; other links are
-    solved by `solve_link`. `force` and `force_slope` of the links are set, and the
-    `overlap` of those that are not rigid. A rigid link with a force has the slope -1.
+    Each force is found from the present forces of the other links. A rigid contact or
+    an impact has F = max(0, (c - max_closing)/mobility), where c is its closing without
+    F; other links are solved by `solve_link`. `force` and `force_slope` of the links
+    are set, and `overlap` of those that are neither rigid nor impacts. A rigid contact
+    or impact with a force has the slope -1, as its closing is fixed.
 
     Parameters
     ----------
@@ -163,15 +167,14 @@ def gauss_seidel_sweep(
     first, last : int
         First and last link of the chain.
     speed : float
-        Speed of the bodies, m/s.
+        Largest speed of the bodies, m/s.
 
     Returns
     -------
     float
-        The largest change, in this sweep, of the closing that a link's own force takes
-        away, m/s.
+        Largest change in this sweep of a force times the mobility of its link, m/s.
     float
-        `speed` plus the largest of these closings, m/s.
+        `speed` plus the largest force times mobility after the sweep, m/s.
     """
     change = 0.0
     largest_speed = speed
@@ -180,8 +183,8 @@ def gauss_seidel_sweep(
         c = closing_without_own_force(links, i)
         if link.law == Law.RIGID or link.law == Law.IMPACT:
             F = (c - link.max_closing) / link.self_mobility
-            slope = -1.0  # its closing is fixed
-            if F <= 0:  # it closes less than it may, and needs no force
+            slope = -1.0  # the closing is fixed
+            if F <= 0:  # the closing is less than `max_closing` without a force
                 F = 0.0
                 slope = 0.0
         else:
@@ -197,38 +200,40 @@ def gauss_seidel_sweep(
 def take_newton_step(links: Any, first: int, last: int) -> None:
     """Take a Newton step for the forces of all links of a chain together.
 
-    With the tangent of its law each link has F = F0 + s (x1 - overlap), s the slope,
-    and x1 = -gap + closing, which the forces of neighbours change. A link with the
-    slope -1, as a rigid contact that presses, has a fixed closing in place of this,
-    max_closing. The equations are tridiagonal: they are eliminated from the first link
-    to the last, and solved back.
+    With the tangent of its law of slope s, each link has F = F0 + s (x1 - overlap),
+    where x1 = -gap + closing depends on the forces of its neighbours. A link of slope
+    -1, as a rigid contact with a force, has the fixed closing `max_closing` instead.
+    The equations are tridiagonal: they are eliminated from the first link to the last
+    and solved by back substitution.
 
-    `force` of the links is set, not below 0 but at joints. Their forces before are
-    stored in `force_before`; `upper` is work space. Overlaps and slopes stay.
+    `force` of the links is set; except in joints it is not negative. The forces before
+    the step are stored in `force_before`; `upper` is work space. Overlaps and slopes
+    are not changed.
     """
-    # The equation of link i is middle F = right + s (closing by the forces of the links
-    # before and after). Indices count round: after the last of all links comes the
-    # first, and the coupling of links of two chains is 0.
+    # The equation of link i is: middle F = right + s (closing by the forces of the
+    # links before and after it).
     for i in range(first, last + 1):
         link = links[i]
+        # Indices wrap around, as in `closing_without_own_force`.
         before = links[i - 1]
-        after = links[i + 1 - len(links)]  # a negative index counts from the end
+        after = links[i + 1 - len(links)]
         if link.force_slope < 0:
-            # mobility F = closing without F - max_closing: s is 1 in this equation
+            # mobility F = (closing without F) - max_closing: s is 1 in this equation
             s = 1.0
             middle = link.self_mobility
             right = link.force_free_closing - link.max_closing
         else:
-            # (1 + s mobility) F = F0 + s (closing without F - overlap - gap)
+            # (1 + s mobility) F = F0 + s ((closing without F) - overlap - gap)
             s = link.force_slope
             middle = 1 + s * link.self_mobility
             right = link.force + s * (link.force_free_closing - link.overlap - link.gap)
         # The link before is eliminated: its force is before.force - before.upper F.
         right += s * link.coupling_mobility * before.force
         pivot = middle + s * link.coupling_mobility * before.upper
-        if pivot <= 4 * EPS * middle:  # nothing but round-off is left
+        if pivot <= 4 * EPS * middle:  # only round-off is left
             pivot = middle
-        # Until it is solved back, its force is link.force - link.upper after.force.
+        # The force of this link is link.force - link.upper after.force: the second term
+        # is subtracted below.
         link.force_before = link.force
         link.force = right / pivot
         link.upper = -s * after.coupling_mobility / pivot
@@ -236,36 +241,38 @@ def take_newton_step(links: Any, first: int, last: int) -> None:
         link = links[i]
         after = links[i + 1 - len(links)]
         link.force -= link.upper * after.force
-        if link.law >= Law.RIGID:  # contacts do not pull, joints do
+        if link.law >= Law.RIGID:  # a contact or impact, which does not pull
             link.force = max(link.force, 0.0)
 
 
 def solve_chain(links: Any, first: int, last: int, speed: float) -> bool:
     """Set the forces of the links from `first` to `last`, a chain.
 
-    Return False if they were not found, as where walls squeeze a mass; the links keep
-    the last forces then. Gauss-Seidel sweeps descend on a convex function, the dual
-    energy of the step, and so always converge, if slowly. Between two sweeps stands a
-    Newton step; it is taken back if it does not halve the change in the sweep after it.
-    One link alone needs one sweep, and is always found. `speed`, m/s, is that of the
-    bodies, whose round-off is no change.
+    False is returned if the forces were not found, as for a mass squeezed between
+    walls; the links then keep the last forces. Gauss-Seidel sweeps reduce a convex
+    function, the dual energy of the step, so they always converge, though slowly. A
+    Newton step is taken between two sweeps. If it does not halve the change in the
+    sweep after it, it is undone together with this sweep. A single link needs one sweep
+    and is always solved. `speed`, m/s, is the largest speed of the bodies; changes
+    within its round-off do not count.
     """
-    change = math.inf  # largest change of a closing in the last sweep that is kept
-    largest_speed = speed  # in it
+    # Results of `gauss_seidel_sweep` for the last sweep that is kept
+    change = math.inf
+    largest_speed = speed
     newton_taken = False
     sweeps_left = MAX_SWEEPS  # 0 ends the iteration
     while sweeps_left > 0:
         new_change, new_speed = gauss_seidel_sweep(links, first, last, speed)
         sweeps_left -= 1
         newton_failed = newton_taken and new_change > change / 2
-        if newton_failed:  # take the step back, and the sweep after it
+        if newton_failed:  # undo the Newton step and the sweep after it
             newton_taken = False
             for i in range(first, last + 1):
                 links[i].force = links[i].force_before  # from `take_newton_step`
         else:
             change = new_change
             if first == last:
-                change = 0.0  # a sweep solves one link alone
+                change = 0.0  # one sweep solves a single link
             largest_speed = new_speed
             # A Newton step is taken if another sweep is left to judge it.
             if change > 8 * EPS * largest_speed and sweeps_left > 0:
@@ -277,21 +284,21 @@ def solve_chain(links: Any, first: int, last: int, speed: float) -> bool:
 
 
 def start_impacts(links: Any, first: int, last: int, tolerance: float) -> bool:
-    """Let impacts of a chain begin whose gaps would close in this step.
+    """Let impacts of a chain begin if their gaps would close in this step.
 
-    Return whether one does. An impact that has not begun has an infinite `max_closing`,
-    no other link has. It begins if its gap at the end of the step would be less than
-    -`tolerance`, m/s (time is counted in steps), and `max_closing` is set: of the
-    closing velocity u at the start of the step -e u is to be left at its end, so that
-    the mean is (1 - e) u/2, or 0 if u is within `tolerance`. Forces stay: they have to
-    be solved again.
+    Return whether any impact begins. Only an impact that has not begun has an infinite
+    `max_closing`. It begins if its gap at the end of the step would be less than
+    -`tolerance`, m/s (time is counted in steps); `max_closing` is then set. The closing
+    velocity u at the start of the step shall become -e u at its end, so the mean is
+    (1 - e) u/2, or 0 if u is at most `tolerance`. Forces are not changed: the caller
+    has to solve for them again.
     """
     has_new_impact = False
     for i in range(first, last + 1):
         link = links[i]
-        # Closing in this step with the own force
+        # Closing in this step with all present forces
         w = closing_without_own_force(links, i) - link.force * link.self_mobility
-        is_waiting = link.max_closing == math.inf
+        is_waiting = link.max_closing == math.inf  # an impact that has not begun
         if is_waiting and link.gap - w < -tolerance:
             u = link.initial_closing
             link.max_closing = 0.0
@@ -305,25 +312,27 @@ def updated_gap(link: Link, w: float, tolerance: float) -> float:
     """Return the gap of a link at the end of a step in which it closes by w, m/s.
 
     Time is counted in steps, so w is also the mean closing velocity. The gap of a rigid
-    contact or impact is link.gap - w, that of any other link -link.overlap, whatever w
-    is. A closed rigid contact keeps the gap 0 until it opens, without a force, at more
-    than `tolerance`, m/s; an impact without a force keeps its gap if w is within it. A
-    contact that has yielded has the gap -yield force/stiffness.
+    contact or impact becomes link.gap - w, with two exceptions. A closed rigid contact
+    keeps the gap 0 until, without a force, it opens at more than `tolerance`, m/s. A
+    closed impact without a force keeps its gap if abs(w) is at most `tolerance`. The
+    gap of a contact that yields in this step becomes -(yield force)/stiffness, that of
+    any other link -link.overlap; they do not depend on w.
 
-    `is_closed` of a rigid contact is set, and of one that yields the yield force and
-    the part of its table. link.gap stays that at the start of the step.
+    `is_closed` of a rigid contact is set; so are the yield force and the position in
+    the hardening table of a contact that yields. link.gap is not changed.
     """
     gap: float
     if link.law == Law.RIGID:
-        final_closing = 2 * w - link.initial_closing  # as w is the mean of both
+        # w is the mean of the closing velocities before and after the step.
+        final_closing = 2 * w - link.initial_closing
         opens = link.force <= 0 and final_closing < -tolerance
         if link.is_closed == 0:
             gap = link.gap - w
             if link.force > 0:  # it closes in this step
                 link.is_closed = 1
         elif opens:
-            # The kick in the middle of the step opens it. For the other half the gap
-            # grows with the final closing velocity, to -final_closing/2.
+            # The kick in the middle of the step opens it. In the second half of the
+            # step the gap grows to -final_closing/2, which is initial_closing/2 - w.
             link.is_closed = 0
             gap = link.initial_closing / 2 - w
         else:  # it stays closed
@@ -331,16 +340,16 @@ def updated_gap(link: Link, w: float, tolerance: float) -> float:
     elif link.law == Law.IMPACT:
         is_at_rest = link.force <= 0 and link.gap <= 0 and abs(w) <= tolerance
         if is_at_rest:
-            gap = link.gap  # the round-off of w does not move it
+            gap = link.gap  # w is round-off
         else:
             gap = link.gap - w
     elif link.law == Law.YIELD and link.overlap > link.yield_force / link.stiffness:
-        # It hardens, and its faces move for good: from where they are now its overlap
-        # is the elastic one at the new yield force.
+        # The contact hardens, and its faces are displaced permanently: relative to the
+        # new positions its overlap is the elastic one at the new yield force.
         link.yield_force, _, next_knot = contact_laws.load_plastically(
             link, -link.gap, link.overlap
         )
-        if next_knot > link.next_knot:  # it has come to a new line of its table
+        if next_knot > link.next_knot:  # it has reached the next row of its table
             link.next_knot = next_knot
             link.hardening_share = link.shares[next_knot - 1]
         gap = -link.yield_force / link.stiffness

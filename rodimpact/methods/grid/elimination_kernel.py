@@ -1,13 +1,13 @@
-"""Tridiagonal equations of a row, which damping and lateral inertia make.
+"""Tridiagonal equations of a row, needed with damping and lateral inertia.
 
-The left side of equation i is x[i] where its value is prescribed, else
+The left side of equation i is x[i] if its value is prescribed, else
 
     diagonal[i] x[i] - off_diagonal[i] x[i - 1] - off_diagonal[i + 1] x[i + 1].
 
 Pieces are not coupled to each other, so all of them are solved at once, from both ends
-of the row to its middle: two recurrences that do not wait for each other. Seen from its
-end, the node before i is i - 1 in the left half and i + 1 in the right half, and is
-eliminated already.
+of the row to its middle. The two recurrences are independent, which is faster. "The
+node before i", which is already eliminated, is i - 1 in the left half and i + 1 in the
+right half.
 """
 
 from typing import Any
@@ -24,26 +24,26 @@ def factor(
     """Write the LU factors of the equations to the last three arguments, [node] each.
 
     Elimination goes from both ends of the row to its middle node. `off_diagonal` [cell]
-    has the entries with opposite sign, cell i left of node i. `is_prescribed` is 1 at
-    nodes whose values are prescribed: their equation is x[i] = right side, and their
-    factors are 0, 1 and 0.
+    has the entries with opposite sign; cell i is on the left of node i. `is_prescribed`
+    is 1 at nodes whose values are prescribed: their equation is x[i] = right side, and
+    their factors are 0, 1 and 0.
 
-    With the entries d of the diagonal and e of the off-diagonal towards the node before
-    and f towards the one after it, the factors of a node are
+    With the diagonal entry d, and the off-diagonal entries e towards the node before
+    and f towards the node after it, the factors of a node are
 
         lower = e inverse_before,  inverse_diagonal = 1/(d - e upper_before),
         upper = f inverse_diagonal.
 
-    The middle node has two nodes before it and none after: its `lower` is for the left
-    one, its `upper` is e inverse_before for the right one.
+    The middle node has two nodes before it and none after it: its `lower` belongs to
+    the left one, and its `upper` is e inverse_before of the right one.
     """
     n = len(diagonal)
     m = (n - 1) // 2  # the middle node
-    # `inverse_diagonal` and `upper` of the node before i, in the left half i - 1
+    # Left half: `inverse_diagonal` and `upper` of the node before i, which is i - 1
     inverse_before = 0.0
     upper_before = 0.0
     for i in range(m):
-        # Factors of a prescribed node; another one gets its own below
+        # Factors of a prescribed node; those of any other node follow below.
         lower[i] = 0.0
         inverse = 1.0
         upper_here = 0.0
@@ -55,10 +55,10 @@ def factor(
         upper[i] = upper_here
         inverse_before = inverse
         upper_before = upper_here
-    # Those of the node on the left of the middle
+    # Values of the node on the left of the middle node
     left_inverse = inverse_before
     left_upper = upper_before
-    # The same in the right half, where the node before i is i + 1
+    # Right half: the same, where the node before i is i + 1
     inverse_before = 0.0
     upper_before = 0.0
     for i in range(n - 1, m, -1):
@@ -73,10 +73,10 @@ def factor(
         upper[i] = upper_here
         inverse_before = inverse
         upper_before = upper_here
-    # Those of the node on the right of the middle
+    # Values of the node on the right of the middle node
     right_inverse = inverse_before
     right_upper = upper_before
-    # The middle node: both of its neighbours are before it.
+    # Middle node: both neighbours are before it.
     lower[m] = 0.0
     upper[m] = 0.0
     inverse_diagonal[m] = 1.0
@@ -89,26 +89,27 @@ def factor(
 
 
 def substitute(lower: Any, inverse_diagonal: Any, upper: Any, x: Any) -> None:
-    """Solve the equations: x holds their right sides and becomes the solution.
+    """Solve the equations: x has their right sides and becomes the solution.
 
     The factors are those of `factor`. Both halves of the row are solved at once: node i
-    of the left half together with its mirror 2 m - i in the right half, m the middle
-    node. In the left half the recurrences are
+    of the left half together with its mirror node 2 m - i in the right half, where m is
+    the middle node. In the left half the recurrences are
 
-        y[i] = x[i] + lower[i] y[i - 1] to the middle, and
-        x[i] = inverse_diagonal[i] y[i] + upper[i] x[i + 1] back,
+        y[i] = x[i] + lower[i] y[i - 1] towards the middle, and
+        x[i] = inverse_diagonal[i] y[i] + upper[i] x[i + 1] back to the end.
 
-    and the same from the other side in the right half, whose values are z. The terms
-    are added, as the off-diagonal entries of the equations are negative.
+    In the right half they are the same from the other side, with z in place of y. Terms
+    are added, not subtracted, as the off-diagonal entries of the equations are
+    negative.
     """
     n = len(x)
     m = (n - 1) // 2  # the middle node
     last = 2 * m  # mirror of node 0
-    # To the middle. y and z are values of the node before, in the left and right half.
+    # Towards the middle. y and z belong to the node before, in the left and right half.
     y = 0.0
     z = 0.0
-    # An even n has one node more, without a mirror, at the right end. It comes first;
-    # the loop is a condition, run once or not at all.
+    # If n is even, the last node has no mirror node. It comes first; the loop stands
+    # for a condition, as it runs once or not at all.
     for i in range(last + 1, n):
         z = x[i]
     for i in range(m):
@@ -117,10 +118,11 @@ def substitute(lower: Any, inverse_diagonal: Any, upper: Any, x: Any) -> None:
         z = x[mirror] + lower[mirror] * z
         x[i] = y
         x[mirror] = z
-    # The middle node has both neighbours before it: `upper` is for the right one.
+    # Both neighbours of the middle node are before it; `upper` is for the right one.
     x_middle = inverse_diagonal[m] * (x[m] + lower[m] * y + upper[m] * z)
     x[m] = x_middle
-    # Back. These are solutions at the node after, in the left and right half.
+    # Back to the ends. These are the solutions at the node after i, in the left and
+    # right half.
     x_left = x_middle
     x_right = x_middle
     for i in range(m - 1, -1, -1):

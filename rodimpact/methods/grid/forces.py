@@ -1,7 +1,4 @@
-"""Forces between bodies and on the ends of the row.
-
-They are means over the steps of a run.
-"""
+"""Forces between bodies and on the ends of the row, averaged over steps of a run."""
 
 import numpy as np
 
@@ -14,10 +11,11 @@ from .run import GridRun
 def contact_forces(run: GridRun, left: BoundaryAction | None) -> list[Floats]:
     """Mean force of each contact in each step of a run, N [contact][step].
 
-    The force of a contact or a joint is the recorded one, that of a bond with a rod
-    follows from the rod, see `GridRun.bond_force`. In bonds of rigid bodies it follows
-    by Newton's law from the force on the left of the body, at the left end of the row
-    from that of `left`, what acts there; None is a free end, with the force 0.
+    The force of a contact or a joint is recorded. The force in a bond with a rod
+    follows from the motion of the rod, see `GridRun.bond_force`. The force in a bond of
+    two rigid bodies follows by Newton's law from the force on the left of its left
+    body. At the left end of the row this is the push of `left`; None is a free end,
+    with the force 0.
     """
     row = run.row
     forces: list[Floats | None] = []
@@ -31,24 +29,24 @@ def contact_forces(run: GridRun, left: BoundaryAction | None) -> list[Floats]:
             forces.append(run.bond_force(link))
 
     def momentum_rate(body: int) -> Floats:
-        """Rate of the momentum of a rigid body in each step, N [step]."""
+        """Rate of change of the momentum of a rigid body in each step, N [step]."""
         mass = float(row.system.bodies[body].mass)
-        gained = np.diff(run.mass_velocity(row.mass_of[body]))  # m/s, in each step
-        return np.asarray(mass * gained / run.step)
+        velocity_change = np.diff(run.mass_velocity(row.mass_of[body]))  # m/s [step]
+        return np.asarray(mass * velocity_change / run.step)
 
-    pushed: Floats = np.zeros(run.steps)
+    left_push: Floats = np.zeros(run.steps)
     if left is not None:
-        pushed = left.push.values
-    return fill_bonds(row.system, forces, momentum_rate, pushed)
+        left_push = left.push.values
+    return fill_bonds(row.system, forces, momentum_rate, left_push)
 
 
 def outside_of(run: GridRun, side: int) -> BoundaryAction | None:
-    """Push and velocity of what acts on the left (0) or right (1) end of the row.
+    """Push and velocity of the outside at the left (0) or right (1) end of the row.
 
     Both are means over each step; the velocity is that in the laboratory, m/s. The
-    push, N, positive into the row, is the force in the contact, joint or bond of a wall
-    or moved end, that of an endless bar, Z (wave - v) to the right at the left end and
-    Z (v - wave) to the left at the right end, or else the given one. None is returned
+    push, N, is positive into the row. At a wall or moved end it is the force in the
+    contact, joint or bond there; at an endless bar it is Z (wave - v) on the left and
+    Z (v - wave) on the right; at a pushed end it is the given force. None is returned
     for a free end, and for a run without steps.
     """
     row = run.row
@@ -60,32 +58,32 @@ def outside_of(run: GridRun, side: int) -> BoundaryAction | None:
     if kind == "none" or not run.steps:
         return None
     v = run.velocity(run.mesh.ends[side])  # in the frame, at the ends of steps
-    speed = (v[:-1] + v[1:]) / 2  # mean over each step
-    # [step]: the force of a pushed end, or the wave that an endless bar sends
+    mean_velocity = (v[:-1] + v[1:]) / 2  # over each step [step]
+    # Force on a pushed end, or wave that an endless bar sends [step]
     given = run.history.prescribed[:, side]
-    if link in run.mesh.touching:  # there is a wall, with a contact or a joint
+    if link in run.mesh.touching:  # a wall with a contact or a joint
         force = run.recorded(link, "force")
     elif kind == "velocity":  # a wall that is bonded to the row, or a moved end
         force = run.bond_force(link)
     elif kind == "absorbing":  # an endless bar
         end = run.grid.ends[side]
-        excess = end["background_wave"] + given - speed
+        excess = end["background_wave"] + given - mean_velocity
         force = INWARD[side] * (end["impedance"] * excess)
     else:  # a pushed end
         force = given
-    # The frame moves with row.frame and falls: what it gains until the middle of a step
+    # The frame has the velocity row.frame + g t; this is g t in the middle of each step
     fall = row.system.gravity * run.step * (np.arange(run.steps) + 0.5)
     return BoundaryAction(
         row.boundary_name(side),
         over_steps(run, np.ascontiguousarray(force)),
-        over_steps(run, speed + row.frame + fall),
+        over_steps(run, mean_velocity + row.frame + fall),
     )
 
 
 def over_steps(run: GridRun, means: Floats) -> Pieces:
-    """A signal, by ticks, with these means over the steps of a run.
+    """Signal, with times in ticks, that has these constant values over the steps.
 
-    It is 0 in a run without steps.
+    `means` [step] are the values. In a run without steps the signal is 0.
     """
     if run.steps == 0:
         return Pieces([0], [0.0])

@@ -1,34 +1,36 @@
 """Rods on a staggered grid, step by step.
 
 Velocities are at nodes, forces in the cells between them. Half of the mass of each cell
-sits at either of its nodes, so that u_tt = (F_right - F_left)/m at a node and F = E A
-du/dx in a cell. In every step the nodes drift half a step, are kicked by the forces in
-the middle of it, and drift the other half (leapfrog). For a Courant number of 1 in a
-uniform rod this carries waves without error, above 1 it is unstable. With u the
-displacement at the end of a step, the energy v M v/2 + (u K u - v K v/4)/2 is kept to
-round-off.
+is at each of its two nodes, so that u_tt = (F_right - F_left)/m at a node and F = E A
+du/dx in a cell. In every step the nodes drift for half a step, are kicked by the forces
+in the middle of the step, and drift for the other half (leapfrog). In a uniform rod the
+scheme carries waves without error at a Courant number of 1; above 1 it is unstable.
+With the displacements u at the end of a step, the energy
+v M v/2 + (u K u - v K v/4)/2 is conserved to round-off.
 
-Where a rod is damped (sigma = E eps + eta d(eps)/dt) or has lateral inertia (rho A u_tt
-- rho nu^2 I_p u_xxtt = E A u_xx), the force of a cell depends on the new velocities,
-half of the viscous force by the mean over the step: (M + J + D/2) dv = forces - D v.
-This matrix is tridiagonal, so the step follows from the wave speed alone; see
-`elimination_kernel`.
+In a rod with damping (sigma = E eps + eta d(eps)/dt) or lateral inertia (rho A u_tt -
+rho nu^2 I_p u_xxtt = E A u_xx) the force of a cell depends on the new velocities, as
+viscous forces follow from the mean velocities over the step:
+(M + J + D/2) dv = forces - D v. This matrix is tridiagonal, see `elimination_kernel`.
+The largest stable step depends on the wave speed only.
 
-By Mindlin and Herrmann each cell has a radial strain q of its own. In a cell of
-stiffness k at constant q, du its elongation, and between neighbours,
+In Mindlin and Herrmann's model each cell has a radial strain q of its own. For a cell
+with the stiffness k at constant q and the elongation du,
 
     tension = k du + b q,    J q_tt = change of (s times the change of q) - G q - b du
 
-so that G q + b du is (G - b^2/k) q + b/k times the tension. Both are kicked and drift
-together with the nodes, which keeps the same energy with q among the displacements u.
+where changes are differences of neighbours. So G q + b du is equal to
+(G - b^2/k) q + b/k tension. q and its rate drift and are kicked together with the
+nodes, which conserves the same energy with q among the displacements u.
 
-Bodies bonded together are one *piece* of neighbouring nodes; between pieces lies a cell
-without stiffness. Contacts are the links of `contact_kernel` between the last node of a
-piece and the first of the next, with the discrete inertia seen there. Their w is the
-mean closing velocity of a step. A rigid contact does not update its gap while it is
-closed: the two nodes move on with one velocity. The energy that the nodes lose as it
-closes is of the size of a cell. Viscous ends that touch at t = 0 have already begun to
-slow down, see `start.slow_down`: all that follows would be half a step too late.
+Bodies bonded together are one *piece* of neighbouring nodes; between two pieces is a
+cell without stiffness. Contacts are the links of `contact_kernel` between the last node
+of a piece and the first node of the next, with the discrete inertia seen there. Their w
+is the mean closing velocity of a step. A rigid contact does not change its gap while it
+is closed: the two nodes move with the same velocity. The energy that the nodes lose as
+it closes is that of about one cell. Viscous ends that touch at t = 0 have already begun
+to slow down, see `start.slow_down`; otherwise all later events would be half a step
+late.
 """
 
 import math
@@ -44,29 +46,30 @@ from .records import INDEX_MASK, NONE, Run
 
 
 def run_steps(grid: Any, history: Any, until: int) -> bool:
-    """Take steps until `until` are taken, and fill the window `history` with them.
+    """Take steps until `until` steps have been taken, and record them in `history`.
 
-    A step is drift, kick, contacts, drift; see above. The grid is left in the state
-    after the last step. The states that `history.when` names are stored at the ends of
-    their steps, also that before the first step. Where a rigid mass is caught, the run
-    ends inside a step.
+    A step consists of drift, kick, contacts, drift. The grid is left in the state after
+    the last step. States are stored after the numbers of steps in `history.when`, also
+    the state before the first step if it is listed there. If a rigid mass is caught
+    between walls, the run ends inside a step.
 
     Parameters
     ----------
     grid : Grid
     history : StepHistory
-        Its entries are those of the steps from `run.first_step` on. `prescribed` and
-        `when` are given: values at the ends, and the steps after which states are
-        stored.
+        Its entries are those of the steps from `run.first_step` on, in flat arrays.
+        `prescribed` (values at the ends) and `when` (numbers of steps after which
+        states are stored) are inputs; the other arrays are filled.
     until : int
+        Number of steps since t = 0.
 
     Returns
     -------
     bool
         False if a rigid mass was caught between walls that leave it no room.
     """
-    # All arrays are unpacked before the loop: reading a field of a NamedTuple inside
-    # makes machine code update the reference count of every array in each step.
+    # All arrays are unpacked before the loop: if the loop read fields of a NamedTuple,
+    # machine code would update the reference count of every array in each step.
     run = grid.run[0]
     v = borrowed(grid.velocity)
     force = borrowed(grid.force)
@@ -141,8 +144,8 @@ def run_steps(grid: Any, history: Any, until: int) -> bool:
             )
         push_ends(v, force, ends)
         soil_kernel.move_soil(run, soil, v)
-        # Damping of soil that changes makes the equations of the step anew: their
-        # factors, and the velocities by unit forces. Else these five do nothing.
+        # If the damping of soil changes, the equations of the step are new: their
+        # factors, and the velocities by unit forces. Else these six calls do nothing.
         soil_kernel.load_equations(run, soil, diagonal, loaded)
         soil_kernel.factor_equations(
             run, off_diagonal, loaded, is_prescribed, lower, inverse_diagonal, upper
@@ -181,18 +184,18 @@ def keep_nodes(
 ) -> None:
     """Store velocities and tensions at the end of a step as state `run.kept_states`.
 
-    `kept_velocity` [state, node] and `kept_force` [state, cell], one row after the
-    other, are written; the count of states stays. Tensions are known in the middle of a
-    step: half a step adds k (v[i] - v[i - 1])/2. Those beyond both ends of the row are
-    stored as 0.
+    They are written to `kept_velocity` [state, node] and `kept_force` [state, cell],
+    which are flat; `run.kept_states` is not changed. `force` has the tensions in the
+    middle of the step: half a step adds k (v[i] - v[i - 1])/2. The tensions of the
+    cells beyond both ends of the row are stored as 0.
     """
-    n = len(v)
+    n = len(v)  # number of nodes; there is one cell more
     nodes = run.kept_states * n  # first entry of the state in kept_velocity
-    # The same in kept_force, with n + 1 cells a state; the mask changes no index.
+    # First entry of the state in kept_force; the mask changes no index.
     cells = (run.kept_states * (n + 1)) & INDEX_MASK
     kept_force[cells] = 0.0
     kept_force[cells + n] = 0.0
-    # Numba compiles a loop in a tenth of the time of a copied slice.
+    # A loop, as Numba needs ten times as long to compile a copy of a slice
     for i in range(n):
         kept_velocity[nodes + i] = v[i]
         if i > 0:
@@ -209,9 +212,9 @@ def keep_radial_strains(
 ) -> None:
     """Store radial strains q and their rates at the end of a step.
 
-    They are state `run.kept_states` of `kept_radial` and `kept_rate` [state, cell], one
-    row after the other; the count of states stays. q is known in the middle of a step:
-    half a step adds rate/2.
+    They are written as state `run.kept_states` to `kept_radial` and `kept_rate`
+    [state, cell], which are flat; `run.kept_states` is not changed. `radial_strain` has
+    q in the middle of the step: half a step adds rate/2.
     """
     cells = (run.kept_states * len(coupling)) & INDEX_MASK  # first entry of this state
     for i in range(len(coupling)):
@@ -222,9 +225,10 @@ def keep_radial_strains(
 def add_radial_tensions(
     run: Run, radial_rate: Any, coupling: Any, kept_force: Any
 ) -> None:
-    """Add what radial strains change in half a step, b rate/2, to the tensions kept.
+    """Add the change by radial strains in half a step, b rate/2, to stored tensions.
 
-    These are the tensions of state `run.kept_states` in `kept_force` [state, cell].
+    These are the tensions of state `run.kept_states` in `kept_force` [state, cell],
+    which is flat; b is `coupling`.
     """
     cells = (run.kept_states * len(coupling)) & INDEX_MASK  # first entry of this state
     for i in range(len(coupling)):
@@ -236,8 +240,8 @@ def keep_pieces(
 ) -> None:
     """Store the displacements of pieces, and the sum of the energies lost in all cells.
 
-    They are state `run.kept_states` of `kept_displacement` [state, piece], one row
-    after the other, and of `kept_lost` [state]; the count of states stays.
+    They are written as state `run.kept_states` to `kept_displacement` [state, piece],
+    which is flat, and to `kept_lost` [state]; `run.kept_states` is not changed.
     """
     first = run.kept_states * len(pieces)  # first entry of the state
     for i in range(len(pieces)):
@@ -251,22 +255,23 @@ def keep_pieces(
 def set_step_inputs(run: Run, v: Any, links: Any, ends: Any, prescribed: Any) -> None:
     """Set `initial_closing` of the links and `prescribed` of both ends for this step.
 
-    The first is the closing velocity at the start of the step, from the velocities v.
-    The second is the entry of this step in `prescribed` [step of the window, side], one
-    row after the other.
+    `initial_closing` is the closing velocity at the start of the step, from the
+    velocities v. The values of both ends are the row of this step in `prescribed`
+    [step of the window, side], which is flat.
     """
     for i in range(len(links)):
         link = links[i]
         link.initial_closing = v[link.left_node] - v[link.right_node]
-    row = run.step - run.first_step
+    row = run.step - run.first_step  # row of this step, of 2 entries
     for side in range(2):
         ends[side].prescribed = prescribed[2 * row + side]
 
 
 def store_selected(run: Run, values: Any, selected: Any, table: Any) -> None:
-    """Store `values` at the indices `selected` in the row of this step of a table.
+    """Store some of the `values`, at the indices `selected`, in a table.
 
-    The table [step of the window, selected] is flat.
+    They are written to the row of this step. The table [step of the window, selected]
+    is flat.
     """
     row = run.step - run.first_step
     for k in range(len(selected)):
@@ -274,19 +279,19 @@ def store_selected(run: Run, values: Any, selected: Any, table: Any) -> None:
 
 
 def drift_pieces(pieces: Any, v: Any) -> None:
-    """Let pieces drift for half a step: displacements grow by v/2 of their first node.
+    """Let pieces drift for half a step: add v/2 of the first node to displacements.
 
-    Time is counted in steps, lengths are in m/s: see `records`.
+    Time is counted in steps and lengths are in m/s, see `records`.
     """
     for p in range(len(pieces)):
         pieces[p].displacement += v[pieces[p].first_node] / 2
 
 
 def drift_cells(v: Any, force: Any, stiffness: Any) -> None:
-    """Move the forces of cells to the middle of the step: k (v[i] - v[i - 1]) is added.
+    """Advance tensions of cells to the middle of this step: add k (v[i] - v[i - 1]).
 
-    They were known in the middle of the step before. Cell i is on the left of node i;
-    between pieces the stiffness k is 0.
+    They were those in the middle of the step before. Cell i is on the left of node i;
+    between pieces the stiffness k is 0. The first and the last cell are not changed.
     """
     for i in range(1, len(v)):
         force[i] += stiffness[i] * (v[i] - v[i - 1])
@@ -295,10 +300,11 @@ def drift_cells(v: Any, force: Any, stiffness: Any) -> None:
 def drift_radially(
     radial_strain: Any, radial_rate: Any, coupling: Any, force: Any
 ) -> None:
-    """Move radial strains q to the middle of the step, and add b dq to the tensions.
+    """Advance radial strains q to the middle of this step, and add b dq to tensions.
 
-    They were known in the middle of the step before: dq is their rate, as time is
-    counted in steps. `force` has the tensions of the cells, b is `coupling`.
+    They were those in the middle of the step before. The change dq in a step is their
+    rate, as time is counted in steps. `force` has the tensions of the cells; b is
+    `coupling`.
     """
     for i in range(len(radial_strain)):
         radial_strain[i] += radial_rate[i]
@@ -314,16 +320,16 @@ def kick_radially(
     shear: Any,
     force: Any,
 ) -> None:
-    """Move the rates of the radial strains q to the end of the step.
+    """Advance the rates of the radial strains q to the end of the step.
 
-    Their change in cell i is, with J and the stiffnesses of `records.Grid`,
+    Their change dq_t in cell i follows from
 
         J dq_t = s[i] (q[i + 1] - q[i]) - s[i - 1] (q[i] - q[i - 1])
                  - (G - b^2/k) q[i] - b/k force[i].
 
-    `shear` is s, with s[i] between the cells i and i + 1, `radial_stiffness` is
-    G - b^2/k, `tension_share` is b/k, and `force` has the tensions. The last cell,
-    beyond the right end of the row, keeps its rate.
+    `shear` is s, with s[i] between the cells i and i + 1; `radial_stiffness` is
+    G - b^2/k, `tension_share` is b/k, and `force` has the tensions; see `records.Grid`.
+    The last cell, beyond the right end of the row, keeps its rate.
     """
     shear_on_left = 0.0  # cell 0 has none
     for i in range(len(radial_strain) - 1):
@@ -335,13 +341,13 @@ def kick_radially(
 
 
 def push_ends(v: Any, force: Any, ends: Any) -> None:
-    """Set the forces from outside, as tensions of cells beyond the ends of the row.
+    """Set the forces from outside, as tensions of the cells beyond the ends of the row.
 
-    These are the first and the last entry of `force`; a push is minus a tension. A
-    pushed end has the prescribed push. An endless bar of impedance Z that sends a wave
-    pushes with Z (wave - v) at the left end, and with Z (v - wave) at the right end;
-    its wave is that of the state at t = 0, `background_wave`, plus the prescribed one.
-    At any other end the tension is 0.
+    These are the first and the last entry of `force`; a push is a negative tension. At
+    a pushed end the push is the prescribed one. An endless bar of impedance Z pushes
+    with Z (wave - v) at the left end and with Z (v - wave) at the right end, where
+    `wave` is `background_wave` plus the prescribed wave. At any other end the tension
+    is 0.
     """
     for side in range(2):
         end = ends[side]
@@ -352,15 +358,15 @@ def push_ends(v: Any, force: Any, ends: Any) -> None:
             wave = end.background_wave + end.prescribed
             inward = 1 - 2 * side  # 1 on the left, -1 on the right
             push = inward * end.impedance * (wave - v[end.node])
-        # Cell i is on the left of node i: beyond the left end (side 0) is the cell of
-        # its node, beyond the right end (side 1) the next one.
+        # Cell i is on the left of node i: the cell beyond the left end (side 0) has the
+        # index of the node, the cell beyond the right end (side 1) that index plus 1.
         force[end.node + side] = -push
 
 
 def kick(v: Any, force: Any, inverse_mass: Any) -> None:
-    """Move velocities to the end of a step in which nothing is implicit.
+    """Advance velocities to the end of an explicit step: m dv = F_right - F_left.
 
-    m dv = F_right - F_left, with node i between the cells i and i + 1.
+    Node i lies between the cells i and i + 1.
     """
     for i in range(len(v)):
         v[i] += inverse_mass[i] * (force[i + 1] - force[i])
@@ -369,10 +375,11 @@ def kick(v: Any, force: Any, inverse_mass: Any) -> None:
 def set_right_side(v: Any, force: Any, viscous: Any, old_velocity: Any, x: Any) -> None:
     """Set x, the right side of the equations of an implicit step, and `old_velocity`.
 
-    x [node] is the force on a node, tension on its right minus that on its left, with
-    the velocities v before the step: elastic, and viscous eta A/dx (v[i] - v[i - 1]) in
-    cell i. Node i lies between the cells i and i + 1; beyond both ends of the row
-    nothing is viscous. `old_velocity` becomes a copy of v.
+    x [node] becomes the force on a node: the tension on its right minus the tension on
+    its left. The tension of cell i is `force` plus the viscous tension
+    eta A/dx (v[i] - v[i - 1]) by the velocities v before the step. Node i lies between
+    the cells i and i + 1; the cells beyond both ends of the row are not viscous.
+    `old_velocity` becomes a copy of v.
     """
     tension_on_left = force[0]
     for i in range(len(v) - 1):
@@ -388,7 +395,8 @@ def set_right_side(v: Any, force: Any, viscous: Any, old_velocity: Any, x: Any) 
 def prescribe_changes(v: Any, x: Any, ends: Any) -> None:
     """Set the right side x of the equation of each end whose velocity is prescribed.
 
-    It is the change of the velocity of that end in this step. Other entries stay.
+    It becomes the change of velocity of this end in this step. Other entries of x are
+    not changed.
     """
     for side in range(2):
         if ends[side].kind == BoundaryKind.MOVED:
@@ -396,7 +404,7 @@ def prescribe_changes(v: Any, x: Any, ends: Any) -> None:
 
 
 def apply_changes(v: Any, change: Any) -> None:
-    """Add the changes to the velocities: they are those at the end of the step then."""
+    """Add the changes to the velocities, which become those at the end of the step."""
     for i in range(len(v)):
         v[i] += change[i]
 
@@ -411,9 +419,9 @@ def set_prescribed_velocities(v: Any, ends: Any) -> None:
 def solve_contacts(run: Run, v: Any, links: Any) -> bool:
     """Find the forces of all links in this step, chain by chain.
 
-    Return False where bodies of a chain cannot move, as a mass between two walls: the
-    chains after it are not solved then. The forces are set in the links; v are the
-    velocities without them, and stay.
+    The forces are set in the links; v are the velocities without these forces and are
+    not changed. False is returned if no forces solve a chain, as for a mass squeezed
+    between two walls; the chains after it are then not solved.
     """
     for i in range(len(links)):
         is_first_of_chain = links[i].chain_end != NONE
@@ -426,37 +434,38 @@ def solve_contact_chain(run: Run, v: Any, links: Any, first: int) -> bool:
     """Find the forces of a chain of links; return False if they were not found.
 
     Links that are coupled by bodies between them make a chain, see `contact_kernel`;
-    link `first` is the first of it. v are the velocities at the end of the step without
-    link forces, and stay. The force of each link is set, with what it follows from:
-    `force_free_closing`, `max_closing`, `overlap` and `force_slope`. Gaps and closings
-    stay.
+    `first` is the first link of the chain. v are the velocities at the end of the step
+    without link forces; they are not changed. `force`, `force_free_closing`,
+    `max_closing`, `overlap` and `force_slope` of each link of the chain are set; gaps
+    and closings are not changed.
     """
     last = links[first].chain_end
-    speed = 0.0  # largest speed of the bodies beside a link
+    speed = 0.0  # bound of the speeds of the bodies beside a link, m/s
     for i in range(first, last + 1):
         link = links[i]
         left = v[link.left_node]
         right = v[link.right_node]
         speed = max(speed, abs(left) + abs(right) + abs(link.initial_closing))
-        # The closing of a step is the mean of the
-        # closing velocities before and after it.
+        # The closing of a step is the mean of the closing velocities before and after
+        # the step.
         link.force_free_closing = (link.initial_closing + left - right) / 2
         link.force_slope = 0.0
-        # Guess: the closing of the last step goes on
+        # First guess: the link closes as much as in the step before.
         link.overlap = link.closing - link.gap
-        link.max_closing = math.inf  # an impact waits until it happens
+        link.max_closing = math.inf  # stays infinite until an impact begins
         if link.law != Law.IMPACT:
-            # Only a rigid contact uses it. One that is closed has the closing velocity
-            # u at the start of the step, and 0 at its end: the mean is u/2. One that
-            # closes inside the step is stopped over two steps: with u1 between them,
-            # their closings (u + u1)/2 and u1/2 take up the gap.
+            # Only rigid contacts use this value. A contact that is closed has the
+            # closing velocity u at the start of the step and 0 at its end: the mean is
+            # u/2. A contact that closes inside the step is stopped over two steps. With
+            # u1 between them, their closings (u + u1)/2 and u1/2 add up to the gap: the
+            # first is gap/2 + u/4.
             if link.is_closed == 1:
                 max_closing = link.initial_closing / 2
             else:
                 max_closing = link.gap / 2 + link.initial_closing / 4
             link.max_closing = max(max_closing, 0.0)
-    # An impact that the forces of others make begin changes all forces: solve again. A
-    # chain that is not found once is not found.
+    # If the forces make another impact begin, all forces change: solve again. If the
+    # chain is not solved once, the result is False.
     is_solved = True
     has_new_impact = True
     while has_new_impact:
@@ -470,12 +479,12 @@ def solve_contact_chain(run: Run, v: Any, links: Any, first: int) -> bool:
 def push_pieces(
     v: Any, by_first: Any, by_last: Any, links: Any, tolerance: float
 ) -> None:
-    """Change the velocities v of the pieces beside the links by the forces found.
+    """Change the velocities v of the pieces beside the links by the link forces.
 
-    The force of a rigid contact or an impact, never negative, is first set to 0 where
-    it is round-off: where the closing velocity that it takes away is within
-    `tolerance`, m/s. `by_first` and `by_last` [node] are the velocities by a unit force
-    on the first and on the last node of a piece.
+    First, the force of a rigid contact or an impact is set to 0 if it is round-off: if
+    it changes the closing in the step by at most `tolerance`, m/s. `by_first` and
+    `by_last` [node] are the velocity changes by a unit force on the first and on the
+    last node of the piece.
     """
     for i in range(len(links)):
         link = links[i]
@@ -483,9 +492,9 @@ def push_pieces(
         if is_stiff and link.force * link.self_mobility <= tolerance:
             link.force = 0.0
         if link.force != 0:
-            # A force pushes the piece on its left, at the last node, to the left, and
-            # that on its right, at the first node, to the right. INDEX_MASK changes no
-            # index, but shows the compiler that none is negative.
+            # A force pushes the piece on its left, at the last node of this piece, to
+            # the left, and the piece on its right, at the first node, to the right.
+            # INDEX_MASK changes no index, but shows the compiler that none is negative.
             for n in range(
                 link.leftmost_node & INDEX_MASK, (link.left_node & INDEX_MASK) + 1
             ):
@@ -497,13 +506,14 @@ def push_pieces(
 
 
 def record_links(run: Run, v: Any, links: Any, signals: Any) -> None:
-    """Set closings and gaps of the links at the end of the step, and store its signals.
+    """Set closings and gaps of the links at the end of the step, and record signals.
 
-    `signals` [step of the window, link], one row after the other, gets the mean force
-    and closing of this step and the gap at its end. v are the velocities at its end.
-    In the first step of the run the signal of a contact that closed at t = 0 has the
-    force `initial_force` added, and a closing such that force times closing is the
-    work. What yields, and whether a rigid contact is closed, is set by `updated_gap`.
+    The mean force and closing of this step and the gap at its end are written to
+    `signals` [step of the window, link], which is flat. v are the velocities at the end
+    of the step. In the first step of the run the force `initial_force` of a contact
+    that closed at t = 0 is added in the signal, and its closing is such that force
+    times closing is the work. `updated_gap` also sets `is_closed` of rigid contacts and
+    the yield force.
     """
     for i in range(len(links)):
         link = links[i]
@@ -513,14 +523,14 @@ def record_links(run: Run, v: Any, links: Any, signals: Any) -> None:
         ) / 2
         is_stiff = link.law == Law.RIGID or link.law == Law.IMPACT
         if is_stiff and link.force > 0:
-            link.closing = link.max_closing  # free of round-off
+            link.closing = link.max_closing  # the same without round-off
         link.gap = contacts.updated_gap(link, link.closing, run.velocity_tolerance)
-        row = run.step - run.first_step
+        row = run.step - run.first_step  # row of this step in `signals`
         signal = signals[row * len(links) + i]
         signal.force = link.force
         signal.gap = link.gap
         # The gap of a rigid or yielding contact does not follow its closing while it
-        # presses; that of any other link shrinks by it.
+        # presses. Any other gap decreases by the closing, exactly by this difference.
         if link.law == Law.RIGID or link.law == Law.YIELD:
             signal.closing = link.closing
         else:
@@ -532,12 +542,13 @@ def record_links(run: Run, v: Any, links: Any, signals: Any) -> None:
 
 
 def dissipate(v: Any, old_velocity: Any, viscous: Any, lost: Any) -> None:
-    """Add to `lost` the energy that viscosity turned to heat in this step, by cell.
+    """Add the energy that viscosity turned to heat in this step to `lost` [cell].
 
-    It is eta A/dx times the square of the rate of elongation, the mean of those by the
-    velocities v after the step and `old_velocity` before it. Time is counted in steps.
+    It is eta A/dx times the square of the mean rate of elongation. The mean is that of
+    the rates after the step, by v, and before the step, by `old_velocity`. Time is
+    counted in steps.
     """
     for i in range(1, len(v)):
-        # Mean of the rates after and before the step
+        # Rate of elongation: mean of the values after and before the step
         rate = (v[i] - v[i - 1] + (old_velocity[i] - old_velocity[i - 1])) / 2
         lost[i] += viscous[i] * rate * rate

@@ -1,8 +1,8 @@
-"""Measures of a force that is known by its means over time steps.
+"""Measures of a force whose means over time steps are known.
 
-Gaps are known at the ends of the steps. The measures are largest force, begin and end
-of forces, contact intervals and openings. Times are counted in steps. Arrays of forces
-have an entry for each step, N, those of gaps one entry more, m.
+Gaps are known at the ends of the steps. The measures are the largest force, the begin
+and end of forces, contact intervals and openings. Times are counted in steps. Arrays of
+forces, N, have one entry for each step; arrays of gaps, m, have one entry more.
 """
 
 import math
@@ -15,19 +15,22 @@ from ..signals import Floats
 from ..states import Status
 
 MAX_CLOSING_STEPS = 2.0
-"""Steps, at most, by which a gap closes later than its contact first presses."""
+"""A gap closes at most so many steps after the begin of the first step with force."""
 NEGLIGIBLE_FORCE_RATIO = 1e-6
-"""A first mean force of less than this part of the next one is round-off."""
+"""A first mean force smaller than this fraction of the next one is round-off."""
 JUMP_RATIO = 0.3
-"""Relative change of forces from step to step, beyond which they jump."""
+"""Relative change of forces from step to step above which they jump."""
 KINK_CURVATURE_RATIO = 4
-"""Curvature, at least, of a parabola across a jump or kink over one beside it."""
+"""Smallest ratio of the curvature across a jump or kink to that beside it."""
 FLAT_RTOL = 1e-9
 """Relative change of forces from step to step that is round-off."""
 
 
 class _Parabola(NamedTuple):
-    """The curve value + slope t + curve t^2, N; t in steps from its first step on."""
+    """The curve value + slope t + curve t^2, N, with t in steps.
+
+    t is 0 at the begin of the first of the three steps that define it.
+    """
 
     value: float
     slope: float
@@ -37,33 +40,36 @@ class _Parabola(NamedTuple):
 def largest_force(force: Floats) -> float:
     """Largest value of a curve whose means over steps are `force` [step], N.
 
-    It is sought in the top step, that with the largest mean. If no mean is positive, 0
-    is returned. Outside the run the force is 0.
+    It is sought in the top step, the step with the largest mean. If no mean is
+    positive, 0 is returned. Outside the run the force counts as 0.
 
-    The curve is the parabola with the means of the top step and of both neighbours. Its
-    value is the vertex, or the mean of the top step if the vertex is outside this step.
-    Where these steps span a jump or a kink, the curve is a parabola through the top
-    step and two steps on one side, see `_one_sided_parabola`. Its value is the vertex,
-    or, if that is outside the top step, the larger value at an end of this step.
+    The curve is the parabola with the means of the top step and its two neighbours. The
+    result is its vertex, or the mean of the top step if the vertex is outside this
+    step. If these steps span a jump or a kink, the curve is the parabola with the means
+    of the top step and of two steps on one side, see `_one_sided_parabola`. The result
+    is then its vertex or, if that is outside the top step, the larger one of its values
+    at both ends of this step.
     """
     if np.max(force, initial=0.0) <= 0:
         return 0.0
     top = int(np.argmax(force))
-    # `F` is the mean of the top step, with those of two steps before and two after, 0
-    # outside the run: after padding by two steps, the top step is number top + 2.
-    earlier, before, F, after, later = np.pad(force, 2)[top : top + 5].tolist()
-    central = _parabola(before, F, after)  # the top step is its second one
+    # Means of the top step, `F`, and of two steps before and two after it. Padded by
+    # two zeros, the top step has the index top + 2.
+    before_2, before, F, after, after_2 = np.pad(force, 2)[top : top + 5].tolist()
+    central = _parabola(before, F, after)
     max_curvature = abs(central.curve) / KINK_CURVATURE_RATIO
     one_sided = _one_sided_parabola(
-        F, ((after, later), (before, earlier)), max_curvature
+        F, ((after, after_2), (before, before_2)), max_curvature
     )
     if one_sided is None:
-        vertex = _vertex_between(central, 1, 2)
+        # The top step is the second one of this parabola.
+        vertex = _vertex_between(central, begin=1, end=2)
         without_vertex = F
-    else:  # the top step is its first one
-        vertex = _vertex_between(one_sided, 0, 1)
+    else:
+        # The top step is the first one of this parabola.
+        vertex = _vertex_between(one_sided, begin=0, end=1)
         at_begin = one_sided.value
-        at_end = one_sided.value + one_sided.slope + one_sided.curve
+        at_end = one_sided.value + one_sided.slope + one_sided.curve  # at t = 1
         without_vertex = max(at_begin, at_end)
     if vertex is None:
         return float(without_vertex)
@@ -76,15 +82,16 @@ def _one_sided_parabola(
     """Parabola with the means of the top step and of two steps on one side of it.
 
     F is the mean of the top step, N. Each of `sides` has the means of the next step on
-    a side, and of the one after it. t is counted from the top step to that side. The
-    parabola is smooth, and its curvature is less than `max_curvature`; if those on both
-    sides are so, the less curved one is returned, and None if none is.
+    this side and of the step after that. t is counted from the top step towards this
+    side. A parabola is accepted if it is smooth and its curvature is less than
+    `max_curvature`. Of two accepted parabolas the less curved one is returned; without
+    any, None.
     """
     chosen = None
     for second, third in sides:
         parabola = _parabola(F, second, third)
         curvature = abs(parabola.curve)
-        # Within a step the slope changes less, by 2 c, than the mean does.
+        # The slope changes by 2 curvature in a step: by less than the mean does.
         is_nearly_straight = curvature < abs(F - second) / 2
         is_flat = curvature <= FLAT_RTOL * F  # constant to round-off
         is_smooth = is_nearly_straight or is_flat
@@ -95,20 +102,22 @@ def _one_sided_parabola(
 
 
 def _parabola(first: float, second: float, third: float) -> _Parabola:
-    """Parabola with these means over three steps, in N.
+    """Parabola with these means over three successive steps, in N.
 
-    t is 0 at the begin of the first of them.
+    t is 0 at the begin of the first of these steps.
     """
+    # The mean over step n is value + slope (n + 1/2) + curve (n^2 + n + 1/3).
     curve = (first - 2 * second + third) / 2
     slope = second - first - 2 * curve
-    return _Parabola(first - slope / 2 - curve / 3, slope, curve)
+    value = first - slope / 2 - curve / 3
+    return _Parabola(value, slope, curve)
 
 
 def _vertex_between(parabola: _Parabola, begin: float, end: float) -> float | None:
     """Largest value of a parabola, N, if it is reached between two times, else None.
 
-    The times `begin` and `end`, in steps, do not count themselves. A parabola that is
-    straight, or has a smallest value, has no largest one.
+    The times `begin` and `end`, in steps, are excluded. None is also returned for a
+    straight line and for a parabola that opens upwards.
     """
     value, slope, curve = parabola
     if curve >= 0:
@@ -122,59 +131,62 @@ def _vertex_between(parabola: _Parabola, begin: float, end: float) -> float | No
 def contact_intervals(force: Floats, gap: Floats, open_gap: float) -> Floats:
     """Begin and end of each force, and the opening after it, in steps [n, 3].
 
-    A force is a run of steps with means > 0. `force` [step] has the means, N, `gap`
-    [step + 1] is at the ends of steps from t = 0 on, m. The opening is where the gap
-    passes `open_gap`, m, before the next force begins. A time that does not come is
-    nan: an opening, or the end of a force in the last step. [0, 3] without forces.
+    A force is a sequence of steps with means > 0. `force` [step] has the means, N, and
+    `gap` [step + 1] the gaps at t = 0 and at the ends of steps, m. There is an opening
+    if the gap exceeds `open_gap`, m, before the next force begins, see `_opening`. A
+    time that is not reached is nan: an opening, or the end of a force that acts in the
+    last step. The result is [0, 3] without forces.
     """
-    # Steps in which forces begin, and those after their last ones, in turn
+    # First step of each force and the step after its last one, alternately
     edges = np.flatnonzero(np.diff(force > 0, prepend=False, append=False)).tolist()
-    begin_steps = edges[::2]
+    first_steps = edges[::2]
     stop_steps = edges[1::2]
-    wide = np.flatnonzero(gap > open_gap)  # step ends at which the gap is open
+    open_ends = np.flatnonzero(gap > open_gap)  # step ends at which the gap is open
     intervals = []
-    for k, (first, stop) in enumerate(zip(begin_steps, stop_steps, strict=True)):
-        following = len(force)  # the end of the run, or the step of the next force
-        if k + 1 < len(begin_steps):
-            following = begin_steps[k + 1]
+    for k, (first, stop) in enumerate(zip(first_steps, stop_steps, strict=True)):
+        next_force = len(force)  # first step of the next force, or the end of the run
+        if k + 1 < len(first_steps):
+            next_force = first_steps[k + 1]
         begin = begin_of_force(force, gap, first)
         end = math.nan
-        if stop < len(force):  # it ends before the run does
+        if stop < len(force):  # the force ends before the run does
             end = max(begin, end_of_force(force, gap, first, stop))
         opening = math.nan
-        # First step end with a wide gap from `stop` on, if there is one
-        next_wide = np.searchsorted(wide, stop)
-        if next_wide < len(wide) and wide[next_wide] <= following:
-            opening = _opening(gap, int(wide[next_wide]), open_gap, end)
+        # Index of the first step end with an open gap from `stop` on, if there is one
+        i = np.searchsorted(open_ends, stop)
+        if i < len(open_ends) and open_ends[i] <= next_force:
+            opening = _opening(gap, int(open_ends[i]), open_gap, end)
         intervals.append((begin, end, opening))
     return np.array(intervals).reshape(-1, 3)
 
 
 def episodes_from_intervals(intervals: Floats) -> tuple[Episode, ...]:
-    """Episodes of touching: each lasts from its first force until a gap has opened.
+    """Episodes of touching: each lasts from its first force until a gap opens.
 
-    A row of `intervals` [n, 3] holds the begin and the end of a force and the opening
-    after it, in steps; nan is what does not happen. Times of the episodes are in steps,
-    too. Without an opening between them, forces are one episode.
+    A row of `intervals` [n, 3] has the begin and the end of a force and the opening
+    after it; a time that is not reached is nan. The episodes have the same unit of
+    time. Forces without an opening between them belong to one episode.
     """
-    changes = [Status.PRESS, Status.GRAZE, Status.OPEN]
-    statuses = np.broadcast_to(changes, intervals.shape)  # by column
-    happens = ~np.isnan(intervals)
-    tick = 1.0  # times are in steps, and stay so
-    return episodes_of(intervals[happens], statuses[happens], tick)
+    # Status of the contact after each of the three times, [n, 3]
+    statuses = np.broadcast_to(
+        [Status.PRESS, Status.GRAZE, Status.OPEN], intervals.shape
+    )
+    is_reached = ~np.isnan(intervals)
+    # A tick of 1 keeps the unit of time.
+    return episodes_of(intervals[is_reached], statuses[is_reached], tick=1.0)
 
 
 def begin_of_force(force: Floats, gap: Floats, i: int) -> float:
-    """Time at which the force begins that first presses in step i, in steps.
+    """Time at which a force begins whose first step with a mean > 0 is i, in steps.
 
-    It begins where the gap closes that is open at the begin of step i, if it goes on to
-    close as fast as in the step before; else, also if that is more than
-    `MAX_CLOSING_STEPS` later, with step i. If the force in step i is only round-off
-    beside that in the next step, it begins with the next step.
+    The gap at the begin of step i is extrapolated at the rate of the step before: the
+    force begins when it becomes 0. If the gap is not open then, or does not close
+    within `MAX_CLOSING_STEPS`, the force begins with step i. If the force in step i is
+    only round-off of that in the next step, it begins with the next step.
     """
     if i + 1 < len(force) and force[i] <= NEGLIGIBLE_FORCE_RATIO * force[i + 1]:
-        return i + 1.0
-    before = max(i - 1, 0)  # the step before, or the first one
+        return i + 1.0  # begin of the next step
+    before = max(i - 1, 0)  # the step before, or the first step
     fall_per_step = gap[before] - gap[before + 1]
     # gap[i] is at the begin of step i.
     if 0 < gap[i] < MAX_CLOSING_STEPS * fall_per_step:
@@ -183,16 +195,16 @@ def begin_of_force(force: Floats, gap: Floats, i: int) -> float:
 
 
 def end_of_force(force: Floats, gap: Floats, i: int, j: int) -> float:
-    """Time at which the force ends that presses in the steps i to j - 1, in steps.
+    """Time at which a force ends that acts in the steps i to j - 1, in steps.
 
-    What ends it is seen from the gaps at the begin and at the end of step j - 1:
+    It depends on the gaps at the begin and at the end of the last step, j - 1:
 
-    - An overlap, then a gap: the force of a compliant contact ends where the overlap
-      does, see `_closing_share`.
-    - An overlap at both: a dashpot lets go, see `_end_of_dashpot`.
-    - No overlap: the contact is rigid, see `_end_of_rigid_contact`.
+    - An overlap, then a gap: the force of a compliant contact ends when the overlap
+      becomes 0, see `_closing_share`.
+    - An overlap at both: the contact has a dashpot, see `_end_of_dashpot`.
+    - No overlap at the begin: the contact is rigid, see `_end_of_rigid_contact`.
     """
-    begin = j - 1  # begin of the last step with force
+    begin = j - 1  # begin of the last step with force, a time and its index in `gap`
     gap_at_begin = float(gap[begin])
     gap_at_end = float(gap[j])
     if gap_at_begin < 0 < gap_at_end:  # the overlap ends inside the step
@@ -203,62 +215,66 @@ def end_of_force(force: Floats, gap: Floats, i: int, j: int) -> float:
 
 
 def _end_of_dashpot(force: Floats, i: int, j: int) -> float:
-    """Time at which the force of a dashpot ends that presses in the steps i to j - 1.
+    """Time at which the force of a dashpot ends that acts in the steps i to j - 1.
 
-    It is in steps. The force falls to 0 along a line from its value at the begin of
-    step j - 1, which is extrapolated from the two means before. If it pressed for less
-    than three steps, it ends with the step.
+    The time is in steps. In the last step, j - 1, the force falls linearly to 0 from
+    its value at the begin of this step, which is extrapolated from the means of the two
+    steps before. If the force acts in fewer than three steps, it ends with the last.
     """
     if j - i < 3:
         return float(j)
     third_last, second_last, last = force[j - 3 : j].tolist()
+    # A mean is the value in the middle of its step: half of the difference leads to the
+    # end of the second last step.
     at_begin = second_last - (third_last - second_last) / 2
     if at_begin <= 0:
         return j - 1.0
-    # The mean of the step is half of the force at its begin, times this time.
+    # The impulse `last` (mean times one step) is the triangle at_begin time_to_zero/2.
     time_to_zero = 2 * last / at_begin
     return float(j - 1 + min(1.0, time_to_zero))
 
 
 def _end_of_rigid_contact(force: Floats, i: int, j: int) -> float:
-    """Time at which a rigid contact lets go that presses in the steps i to j - 1.
+    """Time at which the force of a rigid contact ends that acts in steps i to j - 1.
 
-    It is in steps. If the last three means fall evenly, the force ends where a line
-    through the last two reaches 0, up to half a step after step j - 1. Else it drops to
-    0 inside this step, after the share `share_of_jump`.
+    The time is in steps. If the last three means fall evenly, the force ends where the
+    line through the last two means reaches 0, at most half a step after step j - 1.
+    Otherwise the force drops to 0 inside this step, after the fraction `share_of_jump`.
     """
-    begin = j - 1
+    begin = j - 1  # begin of the last step
     if j - i >= 3:
         third_last, second_last, last = force[begin - 2 : j].tolist()
         fall = third_last - second_last
         last_fall = second_last - last
-        # At least half and at most twice as fast as before
+        # The last fall is at least half and at most twice the fall before.
         falls_evenly = 0 < fall <= 2 * last_fall <= 4 * fall
-        # The force is the last mean in the middle of the last step, and falls by
-        # `last_fall` in a step.
+        # The mean `last` is the force in the middle of the last step; from there it
+        # falls by `last_fall` in a step, to 0 within a step.
         if falls_evenly and last <= last_fall:
             return float(begin + 0.5 + last / last_fall)
-    return begin + share_of_jump(force[max(i, j - 4) : j])
+    last_means = force[max(i, j - 4) : j]  # up to four
+    return begin + share_of_jump(last_means)
 
 
 def _closing_share(gap: Floats, i: int, j: int) -> float:
-    """Share of step j - 1 after which the overlap at its begin has become 0.
+    """Fraction of step j - 1 after which the overlap at its begin has become 0.
 
-    The overlap must end there: gap[j - 1] < 0 < gap[j]. The force began in step i. If
-    it has pressed for three steps, the gap is the parabola through the last three step
-    ends, else a line.
+    The overlap must end in this step: gap[j - 1] < 0 < gap[j]. The force began in step
+    i. If it has acted in three steps or more, the gap is the parabola through the last
+    three step ends, else a straight line.
     """
-    # With s from 0 to 1 in the step, the gap is
-    # first_gap + rise (slope s + curve s^2): slope + curve = 1.
+    # With s from 0 to 1 in step j - 1 the gap is first_gap + rise (slope s +
+    # curve s^2), and slope + curve = 1.
     first_gap = float(gap[j - 1])
     rise = float(gap[j]) - first_gap  # in step j - 1
     curve = 0.0
     if j - i >= 3:
+        # At s = -1 the parabola has the gap first_gap - rise_before.
         rise_before = first_gap - float(gap[j - 2])
         curve = (1 - rise_before / rise) / 2
     slope = 1 - curve
     overlap_ratio = -first_gap / rise
-    # Root of curve s^2 + slope s = overlap_ratio, in the form that loses no digits
+    # Positive root of curve s^2 + slope s = overlap_ratio, without cancellation
     root = math.sqrt(max(slope * slope + 4 * curve * overlap_ratio, 0.0))
     return 2 * overlap_ratio / (slope + root)
 
@@ -266,20 +282,22 @@ def _closing_share(gap: Floats, i: int, j: int) -> float:
 def share_of_jump(force: Floats) -> float:
     """Fraction Fm/Fe of the last step during which a force acts that ends with a jump.
 
-    Fm is the mean of the last step, the last of `force`. Fe is extrapolated from the
-    means before it in `force`, up to three: along the line through the last two if they
-    are smooth, else it is the last of them. The fraction is 1 if the force does not
-    fall by more than twice the curvature of these means, or if there are none.
+    `force` are the last means, from one to four; Fm is the last one. Fe is extrapolated
+    from the means before: along the line through the last two of them if they are
+    smooth, else it is the last of them. The fraction is 1 if there are no means before,
+    or if Fe - Fm is at most twice the curvature of the means before.
     """
     *before, last = force.tolist()
-    extrapolated = 0.0  # without means before it, `last` is no fall
+    extrapolated = 0.0  # without means before the last one the fraction is 1
     curvature = 0.0
+    is_smooth = False
     if before:
         extrapolated = before[-1]
-    is_smooth = len(before) > 1 and max(before) - min(before) <= JUMP_RATIO * before[-1]
+        variation = max(before) - min(before)
+        is_smooth = len(before) > 1 and variation <= JUMP_RATIO * before[-1]
     if is_smooth:
         extrapolated = 2 * before[-1] - before[-2]
-        # 0 for two means; of three the second difference
+        # Second difference of three means; 0 for two means
         curvature = float(np.abs(np.diff(before, 2)).sum())
     if extrapolated - last <= 2 * curvature:
         return 1.0
@@ -287,28 +305,29 @@ def share_of_jump(force: Floats) -> float:
 
 
 def _opening(gap: Floats, k: int, open_gap: float, force_end: float) -> float:
-    """Time at which bodies part before step end k, in steps.
+    """Time at which two bodies separate before step end k, in steps.
 
-    At step end k their gap is larger than `open_gap`, m, for the first time since their
-    force ended at `force_end`, in steps, or nan if it acts to the end of the run. They
-    part at the last zero of the gap, but not before `force_end`. Numerical dispersion
-    opens small false gaps, though, which do not accelerate. After such a one they part
-    later, at the vertex from which a parabola rises as the gap does when it passes
-    `open_gap`.
+    At step end k their gap exceeds `open_gap`, m, for the first time since their force
+    ended at `force_end`, in steps; this is nan if the force acts to the end of the run.
+    The bodies separate at the last zero of the gap, but not before `force_end`.
+    However, numerical dispersion opens small false gaps first, which do not accelerate.
+    After such a false gap the bodies separate later: at the vertex of the parabola that
+    rises from 0 and has the gaps `open_gap`/2 and `open_gap` at the same times as the
+    gap.
     """
-    # Python's max with nan as its second argument is the first one.
+    # With nan as its second argument max returns the first one.
     last_zero = max(_passing_time(gap, k, 0.0), force_end)
-    # A parabola (t - vertex)^2 through half the level at one time and the level at the
-    # other: the times after the vertex are as sqrt(1/2) to 1.
-    half = _passing_time(gap, k, open_gap / 2)
+    # A parabola in proportion to (t - vertex)^2: the times since the vertex at half the
+    # level and at the level have the ratio sqrt(1/2).
+    half_passed = _passing_time(gap, k, open_gap / 2)
     passed = _passing_time(gap, k, open_gap)
-    vertex = passed - (passed - half) / (1 - math.sqrt(0.5))
+    vertex = passed - (passed - half_passed) / (1 - math.sqrt(0.5))
     midpoint = (last_zero + vertex) / 2
     gap_at_midpoint, gap_at_vertex = np.interp(
         [midpoint, vertex], np.arange(len(gap)), gap
     )
-    # A true gap accelerates: after half of the time it is a quarter of what it is in
-    # the end, or less. The bound is a third.
+    # A gap with constant acceleration has a quarter of its final value at the midpoint,
+    # a false one about half. The bound is a third.
     is_false_gap = 3 * gap_at_midpoint > gap_at_vertex
     if vertex > last_zero and is_false_gap:
         return vertex
@@ -316,12 +335,12 @@ def _opening(gap: Floats, k: int, open_gap: float, force_end: float) -> float:
 
 
 def _passing_time(gap: Floats, k: int, level: float) -> float:
-    """Last time before step end k at which a gap was at `level`, m, in steps.
+    """Last time before step end k at which a gap was equal to `level`, m, in steps.
 
-    At step end k the gap is larger. Gaps are straight lines between step ends. If the
-    gap was larger all the time, k - 1 is returned.
+    At step end k the gap is larger. Between step ends the gap is a straight line. If
+    the gap was larger than `level` at all times, k - 1 is returned.
     """
-    for i in range(k - 1, -1, -1):
-        if gap[i] <= level:  # it passes the level in step i
+    for i in range(k - 1, -1, -1):  # backwards from k - 1 to 0
+        if gap[i] <= level:  # the gap passes the level in step i
             return i + float((level - gap[i]) / (gap[i + 1] - gap[i]))
     return k - 1.0

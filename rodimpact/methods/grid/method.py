@@ -3,12 +3,12 @@
 It carries everything that the other methods carry, and also damping, tapers and lateral
 inertia. It stores states and rebuilds nothing from signals at the ends.
 
-Waves cross nearly a cell in a step (Courant number 0.999) in the segment with the
-longest transit. Every other segment gets as many cells as its transit time has whole
-steps, so its Courant number is just below: one cell more would be unstable, one less
-would disperse waves more than necessary. At a Courant number of exactly 1 leapfrog has
-no error, but the even and the odd nodes are not coupled: a contact that acts between
-two steps makes them part for good, and velocities never converge.
+In the segment with the longest transit waves cross nearly one cell in a step (Courant
+number 0.999). Every other segment gets as many cells as its transit time has whole
+steps, so its Courant number is slightly lower: one cell more would be unstable, one
+cell less would disperse waves more than necessary. At a Courant number of exactly 1
+leapfrog has no error, but the even and the odd nodes are not coupled: a contact that
+acts between two steps drives them apart for good, and velocities never converge.
 """
 
 import math
@@ -32,23 +32,23 @@ from .smoothness import order_of
 from .soil import soil_stiffnesses
 
 RTOL = 1e-3
-"""Relative accuracy to which the mesh is refined where nothing else is given."""
+"""Relative accuracy to which the mesh is refined if `rtol` is not given."""
 COURANT = 0.999
-"""Courant number of a step that is not given."""
+"""Courant number if the step is not given."""
 STABLE_COURANT = 1 + 2.0**-30
-"""Courant number up to which a mesh is taken: beyond 1 by round-off only."""
+"""Largest Courant number of a mesh: 1 plus some round-off."""
 MIN_LONGEST_CELLS = 100
-"""Fewest cells of the longest transit, where nothing is given."""
+"""Fewest cells of the segment with the longest transit, if no mesh is given."""
 MIN_CELLS = 8
-"""Fewest cells of a segment, where nothing is given, and steps of a short run."""
+"""Fewest cells of a segment, if no mesh is given, and fewest steps of a short run."""
 MAX_REFINED_CELLS = 1 << 13
-"""Most cells of the longest transit in the search for an accurate mesh."""
+"""Most cells of the segment with the longest transit in a refined mesh."""
 MAX_CELLS = 1 << 20
 """Most cells of a row."""
 EQUAL_WASTE = 2.0**-20
 """Courant numbers that differ by less are equally good."""
 UNTIL_RTOL = 1e-12
-"""Relative excess up to which an end counts as a whole number of steps."""
+"""Relative excess of `until` over whole steps that counts as round-off."""
 
 LACKS = (physics.RODLESS, physics.OWN_LAWS)
 
@@ -72,12 +72,12 @@ def run_grid(
 ) -> GridRun:
     """Run a single collision on a mesh that is fine enough.
 
-    Return the run on the finest mesh. Unless cells or step are given, the step is
-    divided until velocities and impulses no longer change. The errors of the peak force
-    and of the duration are stated, but the mesh is not refined for them: beside a jump
-    waves overshoot on any mesh, flat ends of viscous rods, or of rods with lateral
-    inertia, meet with a force that has no largest value, and weak forces begin and end
-    late. A run to less than half a step takes no step.
+    Return the run on the finest mesh. Unless `cells` or `dt` is given, the step is
+    divided until velocities and impulses are accurate to `rtol`. The errors of the peak
+    force and of the duration are stated, but the mesh is not refined for them: beside a
+    jump waves overshoot on any mesh; flat ends of viscous rods, or of rods with lateral
+    inertia, meet with a force that has no largest value; and weak forces begin and end
+    late. If `until` is less than half a step, no step is taken.
 
     Parameters
     ----------
@@ -87,32 +87,35 @@ def run_grid(
         End of the run, s; by default a round trip of the longest rod after the proof of
         finality.
     max_events : int
-        Cap on steps times contacts and ends, where no end is given.
+        Largest number of steps times links (contacts, joints, bonds and both ends); it
+        is used only if `until` is not given.
     cells : int, optional
         Number of cells of the segment with the longest transit.
     dt : float, optional
-        Step, s; it is smaller where `until` is no multiple of it.
+        Step, s; it is made smaller if `until` is not a multiple of it.
     rtol : float, optional
-        Relative accuracy to which the mesh is refined, where neither cells nor step are
-        given.
+        Relative accuracy to which the mesh is refined, if neither `cells` nor `dt` is
+        given; by default `RTOL`.
     snapshots : int or tuple of float, optional
         Largest number of states to keep, or the times at which to keep them, s.
     report : function
-        It is called with the steps done on a mesh, and with their number, or None.
+        It is called with the steps done on a mesh and the number of all steps, which is
+        None without `until`.
 
     Raises
     ------
     InvalidModel
-        If the mesh would be unstable.
+        If numbers of the row are too large or too small, or the mesh would be unstable.
     TooLong
         If the run takes too much memory.
     """
     check_scales(row)
     check_polar_moments(row)
     counts, step = mesh_size(row, cells, dt, until)  # or InvalidModel
-    takes_steps = until is None or 2 * until > step  # the run has half a step or more
+    takes_steps = until is None or 2 * until > step  # more than half a step
     if until is not None and takes_steps:
-        # The step becomes a whole part of `until`, no longer than it was.
+        # Shorten the step so that `until` is a whole number of steps. UNTIL_RTOL keeps
+        # round-off from adding one.
         steps = math.ceil(until / step * (1 - UNTIL_RTOL))
         step = until / steps
 
@@ -121,14 +124,15 @@ def run_grid(
         mesh = Mesh(row, [factor * count for count in counts])
         h = step / factor
         if until is None:
-            # Each step is an event of each link.
-            last = max(1, max_events // len(row.links))
+            # Each step counts as one event of each link; a link stands between two
+            # neighbours in the row, and at each of its ends.
+            last_step = max(1, max_events // len(row.links))
             run = GridRun(mesh, h, snapshots)
-            _run_to_proof(run, last, report)
+            _run_to_proof(run, last_step, report)
         else:
-            last = round(until / h)
-            run = GridRun(mesh, h, snapshots, expected_steps=max(1, last))
-            _run_to_end(run, last, report)
+            last_step = round(until / h)  # 0 if `until` is less than half a step
+            run = GridRun(mesh, h, snapshots, expected_steps=max(1, last_step))
+            _run_to_end(run, last_step, report)
         return run
 
     if cells is None and dt is None and takes_steps:  # the mesh is refined
@@ -149,9 +153,10 @@ def _run_refined(
 ) -> GridRun:
     """Run on finer and finer meshes; return the finest run, which states its errors.
 
-    Its `rtol` becomes `goal`; `estimates` and `coarser`, the runs with which it is
-    compared, are set. The estimate of the peak force has added what no finer mesh makes
-    less. The search ends at `goal`, at `max_factor`, or where memory is short.
+    Its `rtol` becomes `goal`. Its `estimates` and `coarser`, the coarser runs with
+    which its fields are compared, are set. The estimate of the peak force includes
+    `peak_error`, which no finer mesh reduces. The refinement ends when `goal` or
+    `max_factor` is reached, or when memory is short.
 
     Parameters
     ----------
@@ -186,60 +191,61 @@ def _run_refined(
 # Running ------------------------------------------------------------------------------
 
 
-def _run_to_end(run: GridRun, last: int, report: ProgressReport) -> None:
-    """Run to step `last`, and try the proof of finality on the way.
+def _run_to_end(run: GridRun, last_step: int, report: ProgressReport) -> None:
+    """Run to step `last_step`, and try the proof of finality on the way.
 
-    The step at whose end the proof succeeds is set as `run.proved`; then it is tried no
-    more. `report` is called with the steps taken, and `last`.
+    When the proof succeeds, `run.proved` becomes the number of steps taken, and the
+    proof is not tried again. `report` is called with the steps taken and `last_step`.
     """
 
     def report_of(taken: int) -> None:
         """Report the steps taken of all steps."""
-        report(taken, last)
+        report(taken, last_step)
 
-    _advance_until_proved(run, last, report_of)
-    run.advance(last, report_of)
+    _advance_until_proved(run, last_step, report_of)
+    run.advance(last_step, report_of)  # the steps after the proof
 
 
-def _run_to_proof(run: GridRun, last: int, report: ProgressReport) -> None:
-    """Run to the proof of finality, or to step `last` if none succeeds before.
+def _run_to_proof(run: GridRun, last_step: int, report: ProgressReport) -> None:
+    """Run until the proof of finality succeeds, at most to step `last_step`.
 
-    `run.proved` is set by a proof, and `run.stopped_by` to "final" or "max_events".
-    `report` is called with the steps taken, and None.
+    `run.proved` is set if it succeeds; `run.stopped_by` becomes "final" or, without a
+    proof, "max_events". `report` is called with the steps taken and None.
     """
 
     def report_of(taken: int) -> None:
         """Report the steps taken."""
         report(taken, None)  # nobody knows when a proof will succeed
 
-    _advance_until_proved(run, last, report_of)
+    _advance_until_proved(run, last_step, report_of)
     run.stopped_by = "max_events"  # steps count as events
     if run.proved >= 0:
         run.stopped_by = "final"
 
 
 def _advance_until_proved(
-    run: GridRun, last: int, report_of: Callable[[int], None]
+    run: GridRun, last_step: int, report_of: Callable[[int], None]
 ) -> None:
-    """Run until the proof of finality succeeds, or to step `last`.
+    """Run until the proof of finality succeeds, at most to step `last_step`.
 
-    The proof is tried at once, and then again and again, at last at step `last`. The
-    step at whose end it succeeds is set as `run.proved`, which else stays -1.
-    `report_of` is called with the steps taken.
+    The proof is tried before the first step, then at intervals, and finally at step
+    `last_step`. If it succeeds, `run.proved` becomes the number of steps taken, else it
+    stays -1. `report_of` is called with the steps taken.
     """
-    longest = run.round_trip // 2  # steps in which waves cross the longest rod
+    transit = run.round_trip // 2  # steps in which waves cross the longest rod
     report_of(0)
     while run.proved < 0:
         # Steps after which a proof can succeed: 0 if it succeeds now
         wait = finality_time(run) / run.step
         if wait == 0:
             run.proved = run.steps
-        elif run.steps < last:
-            # The next proof is tried then, or earlier, after so many steps as cost
-            # about as much as a proof.
-            between = max(longest // 4, run.steps // 8)
-            more = math.ceil(max(min(wait, between), MIN_CELLS))
-            run.advance(min(last, run.steps + more), report_of)
+        elif run.steps < last_step:
+            # Try again after `wait`, but earlier if `wait` is long: after steps that
+            # take about as long as a proof.
+            affordable = max(transit // 4, run.steps // 8)
+            until_next = min(wait, affordable)  # `wait` may be infinite
+            more = math.ceil(max(until_next, MIN_CELLS))
+            run.advance(min(last_step, run.steps + more), report_of)
         else:
             break
 
@@ -252,15 +258,16 @@ def mesh_size(
 ) -> tuple[list[int], float]:
     """Numbers of cells, [segment], and a step, s, that is stable for them.
 
-    The step is `dt` if that is given, else `COURANT` times the longest stable one. The
-    segment with the longest transit has `cells`, or, without `dt`, a number that suits
-    all segments; the others have as many as are stable. `cells`, `dt` and `until` are
-    those of `run_grid`.
+    The step is `dt` if it is given, else `COURANT` times the longest stable step. The
+    segment with the longest transit has `cells` cells; if neither `cells` nor `dt` is
+    given, it has the number of `_least_wasteful`. All other segments have as many cells
+    as are stable. `cells`, `dt` and `until` are those of `run_grid`.
 
     Raises
     ------
     InvalidModel
-        If the step that is given is unstable, or cells are too few or too many.
+        If `dt` is unstable, if a segment would have no cell, or if there would be too
+        many cells.
     """
     transits = np.array([crossing_time(segment) for segment in row.segments])
     shortest = int(np.argmin(transits))
@@ -272,10 +279,13 @@ def mesh_size(
         name = "dt"
     else:
         name = row.paths[shortest + 1]
-    longest_cells = cells  # of the longest transit; None where `dt` decides
+    # Number of cells of the segment with the longest transit; None if it follows from
+    # `dt`
+    longest_cells = cells
     if cells is None and dt is None:
         longest_cells = _least_wasteful(transits, until)
     counts = _stable_counts(row, transits, longest_cells, dt, name)
+    # Longest stable step of each segment, s
     stable_steps = list(map(stable_step, row.segments, counts, soil_stiffnesses(row)))
     if dt is None:
         step = min(stable_steps) * COURANT
@@ -295,26 +305,30 @@ def mesh_size(
 def _least_wasteful(transits: Array, until: float | None) -> int:
     """Number of cells of the longest transit with Courant numbers nearest to 1.
 
-    Segments have whole numbers of cells, and the waste of a segment is 1 minus its
-    Courant number; the largest waste of all segments counts. It is the first number
-    with the least waste, but for `EQUAL_WASTE`, among those from the fewest that are
-    needed up to twice as many. Needed are `MIN_LONGEST_CELLS`, `MIN_CELLS` in the
-    shortest segment, and as many steps in a short run. `transits` are those of the
-    segments, s [segment], `until` is the end of the run, s, or None.
+    The waste of a segment is 1 minus its Courant number, which is below 1 because its
+    number of cells is whole. A candidate is as good as its largest waste among all
+    segments. Candidates range from the least number that is needed up to twice that
+    number; the smallest of the best ones, to `EQUAL_WASTE`, is returned. Needed are
+    `MIN_LONGEST_CELLS`, `MIN_CELLS` in the shortest segment, and `MIN_CELLS` steps in a
+    short run. `transits` [segment] are in s; `until` is the end of the run, s, or None.
     """
     longest = float(transits.max())
-    least = max(MIN_LONGEST_CELLS, math.ceil(MIN_CELLS * longest / transits.min()))
+    for_shortest = math.ceil(MIN_CELLS * longest / transits.min())
+    least = max(MIN_LONGEST_CELLS, for_shortest)
     if until:
-        # A step is about the longest transit over its cells.
+        # A step is about the longest transit over its number of cells. A quarter leaves
+        # room for refinements by 2, 3 and 4.
         for_short_run = min(MAX_REFINED_CELLS / 4, MIN_CELLS * longest / until)
         least = max(least, math.ceil(for_short_run))
+    # The arrays [candidate, segment] have about MAX_CELLS entries at most.
     candidates = min(least, 1 + MAX_CELLS // len(transits))
+    # Floats, as `least` may be too large for integers of NumPy
     numbers = float(least) + np.arange(candidates)
-    # Steps in which waves cross each segment [number, segment]: a segment has the whole
-    # part of them as cells.
+    # Steps in which waves cross each segment [candidate, segment]. A segment has the
+    # whole part of them as cells; STABLE_COURANT keeps round-off from costing one.
     steps = numbers[:, None] * (transits / longest)
     courant = np.floor(steps * STABLE_COURANT) / steps
-    waste = (1 - courant).max(axis=1)  # [number]
+    waste = (1 - courant).max(axis=1)  # [candidate]
     is_best = waste <= waste.min() + EQUAL_WASTE
     first_best = int(np.argmax(is_best))
     return int(numbers[first_best])
@@ -325,31 +339,32 @@ def _stable_counts(
 ) -> list[int]:
     """Number of cells of each segment, [segment]: as many as are stable with a step.
 
-    The step is that in which waves cross a cell of the longest transit, which has
-    `cells`; without `cells` it is `dt`. By Mindlin and Herrmann `cells` may need a
-    shorter step than that. Segments are crossed in `transits`, s [segment]. `name` is
-    what an error names.
+    If `cells` is given, the segment with the longest transit has so many cells, and the
+    step is the time in which waves cross one of them; else the step is `dt`. With
+    Mindlin and Herrmann's model `cells` may need a shorter step. Waves cross the
+    segments in `transits`, s [segment]. `name` is the argument or segment that an error
+    names.
 
     Raises
     ------
     InvalidModel
-        If a segment has not a single cell, or all have too many.
+        If a segment would have no cell, or all together too many.
     """
     longest = int(np.argmax(transits))
     step: Any = dt  # s
     if cells is not None:
         step = float(transits[longest]) / cells
-    # As many cells as the transit time has whole steps;
-    # the factor lets round-off cost none.
+    # As many cells as the transit time has whole steps; STABLE_COURANT keeps round-off
+    # from costing one.
     counts = np.floor(transits / step * STABLE_COURANT)
     if cells is not None:
         counts[longest] = cells  # exactly, whatever the rounding of the quotient
     _check_counts(row, transits, counts, cells, name)
     whole: list[int] = counts.astype(int).tolist()
     if cells is not None:
-        return whole  # `mesh_size` takes a step that is stable for so many cells
-    # By Mindlin and Herrmann the stable step is no whole share of the transit: fewer
-    # cells may be stable with the step that is given.
+        return whole  # `mesh_size` chooses a step that is stable for so many cells
+    # With Mindlin and Herrmann's model the longest stable step is not the transit time
+    # of a cell: fewer cells than these may be stable with `dt`.
     most = []
     for segment, count in zip(row.segments, whole, strict=True):
         most.append(most_cells(segment, count, step / STABLE_COURANT))
@@ -361,7 +376,7 @@ def _check_counts(
 ) -> None:
     """Raise InvalidModel if a segment has no cell, or all together have too many.
 
-    `counts` are the numbers of cells, [segment]; more than `MAX_CELLS` in all are too
+    `counts` are the numbers of cells, [segment]; more than `MAX_CELLS` in total are too
     many. The other arguments are those of `_stable_counts`; the errors name `name`.
     """
     longest = int(np.argmax(transits))

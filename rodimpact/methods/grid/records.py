@@ -1,15 +1,15 @@
 """The arrays and records on which the kernels of the grid work.
 
-Loops over all nodes and cells run on plain arrays of numbers, all else is records. Cell
-i lies between the nodes i - 1 and i. Cell 0, the cells between pieces and the last cell
-stand for nothing.
+Loops over all nodes and cells run on plain arrays of numbers; everything else is stored
+in records. Cell i lies between the nodes i - 1 and i. Cell 0, the cells between pieces
+and the last cell are no parts of bodies: they have no mass and no stiffness.
 
-Time is counted in steps h. Velocities stay in m/s and forces in N, so a length is a
-velocity times steps: in a step of velocity v something moves by v, in half a step by
-v/2, and what resists with a stiffness k changes its force by k v. Masses and
-stiffnesses are scaled to match: M/h, E A h/dx, k h^p for a force k x^p, the constant of
-a dashpot as it is. With a radial strain q/h, its inertia is J/h and its stiffnesses are
-G h, b h and s h.
+Time is counted in steps h. Velocities are in m/s and forces in N, so a length is a
+velocity times a number of steps, in m/s: a node of velocity v moves by v in a step and
+by v/2 in half a step, and a spring of stiffness k changes its force by k v in a step.
+Masses and stiffnesses are scaled to match: M/h, E A h/dx, and k h^p for a force k x^p;
+the constant of a dashpot is not scaled. The radial strain is stored as q/h. Its inertia
+is J/h, and its stiffnesses are G h, b h and s h.
 
 In machine code a list of records is a structured array, in plain Python a list of
 objects with the same fields, see `compiling`.
@@ -22,12 +22,12 @@ import numpy as np
 from .. import link
 from ..record_lists import dtype_of
 
-NONE = -1  # no link
+NONE = -1  # in place of the index of a link
 INDEX_MASK = (1 << 40) - 1
-"""Mask that changes no index: n & INDEX_MASK is n for every index, which is 0 or more.
+"""Mask that changes no index: n & INDEX_MASK is n for every index n >= 0.
 
-It tells the compiler that n >= 0, so that it vectorises the loop over entries from n
-on. Loops over a few entries do without.
+It tells the compiler that n >= 0, so that it vectorises the loop over the entries from
+n on. Loops over few entries do not need it.
 """
 
 
@@ -36,18 +36,18 @@ class Run:
 
     step: int  # steps taken
     first_step: int  # steps taken when the present window of `StepHistory` began
-    kept_states: int  # states stored in this window
+    kept_states: int  # number of states stored in this window
     has_radial_strain: int  # 1: cells have radial strains
-    is_implicit: int  # 1: there is damping, lateral inertia or soil
-    shafts: int  # number of rods that soil holds
+    is_implicit: int  # 1: there is damping, lateral inertia, soil or drag
+    shafts: int  # number of rods with soil or drag along their shafts
     soil_changes_equations: int  # 1: the damping of soil depends on its resistance
     ground_velocity: float  # velocity of the ground at t = 0
     ground_acceleration: float  # change of this velocity in a step
-    velocity_tolerance: float  # contacts graze, and impacts rest, below this velocity
+    velocity_tolerance: float  # closing velocities below it count as 0
 
 
 class Piece:
-    """A piece of neighbouring nodes: bodies that are bonded together."""
+    """A piece of neighbouring nodes: one body, or bodies that are bonded together."""
 
     first_node: int
     displacement: float  # displacement of its first node
@@ -56,31 +56,35 @@ class Piece:
 class Link(link.Link):
     """A contact or joint between two neighbouring pieces.
 
-    The gap and the yield force are those at present, and the gap is the stretch of a
-    joint.
+    Its fields `gap` and `yield_force` have the present values; the gap of a joint is
+    its stretch.
     """
 
-    next_knot: int  # index of the knot at which the hardening changes next
+    next_knot: int  # index of the next knot of the hardening table
     left_node: int
     right_node: int
     leftmost_node: int  # first and last node whose velocity its force changes in a step
     rightmost_node: int
-    chain_end: int  # last link of a chain, at its first; NONE at other links
-    # Closing per force over a step
-    self_mobility: float  # half of the velocity change of both ends by the own force
-    coupling_mobility: float  # half of that by the force of the link before it
+    chain_end: int  # last link of a chain, at its first link; NONE at other links
+    # Decrease of the closing in a step by a unit of its own force, (m/s)/N: half of the
+    # velocity changes of both nodes
+    self_mobility: float
+    # Increase of the closing in a step by a unit force of the link before it, (m/s)/N
+    coupling_mobility: float
 
-    force: float  # mean over the step
+    force: float  # mean over the step, N
     closing: float  # mean closing velocity of the step
     is_closed: int  # 1 while a rigid contact is closed
     initial_closing: float  # closing velocity at the start of the step
-    force_free_closing: float  # closing in the step without any force
-    max_closing: float  # largest closing of a rigid contact or impact under force
+    force_free_closing: float  # closing in the step if no link had a force
+    # Rigid contact or impact: the closing that its force, if it has one, leaves;
+    # infinite for an impact that has not begun
+    max_closing: float
     overlap: float  # overlap at the end of the step
-    force_slope: float  # dF/d(closing); -1 where the closing is fixed
+    force_slope: float  # dF/d(closing); -1 if the closing is fixed
     force_before: float  # force before a Newton step
     upper: float  # factor of the elimination of a chain
-    # Mean force over the first step, and energy lost, as a contact closed at t = 0
+    # Contact that closed at t = 0: mean force over the first step, and energy lost
     initial_force: float
     initial_loss: float
 
@@ -88,27 +92,27 @@ class Link(link.Link):
 class Soil:
     """The soil, or the drag, at one node of a rod.
 
-    Drag has a damping, and no resistance.
+    Drag has a damping only; its stiffness and resistances are 0.
     """
 
     node: int
-    shaft: int  # number of the rod among those that soil holds
+    shaft: int  # index of the rod in `soil.shaft_bodies`
     end_of_rod: int  # -1 and 1 at the left and right end of the rod, else 0
-    is_smith: int  # 1: the damping is in proportion to the static resistance
-    stiffness: float  # R_u/q
-    ultimate: float  # R_u
-    resistance: float  # static resistance R in the middle of the last step
-    damping_factor: float  # J
-    damping: float  # c, force per velocity in the present step
+    is_smith: int  # 1: the damping is proportional to the static resistance
+    stiffness: float  # R_u/quake
+    ultimate: float  # ultimate resistance R_u, N
+    resistance: float  # static resistance R in the middle of the last step, N
+    damping_factor: float  # J, s/m
+    damping: float  # c in the present step, N s/m
 
 
 class ShaftForce:
     """The mean force of the soil on a rod in a step, to the right, and its power."""
 
-    force: float
-    power: float
-    first_node_force: float  # part of the force on the first node of the rod
-    last_node_force: float
+    force: float  # N
+    power: float  # W
+    first_node_force: float  # part of `force` that acts on the first node of the rod
+    last_node_force: float  # part of `force` that acts on its last node
 
 
 class End:
@@ -116,20 +120,21 @@ class End:
 
     kind: int  # `states.BoundaryKind`
     node: int
-    impedance: float  # impedance of a semi-infinite bar
-    background_wave: float  # wave that comes from this bar in addition to the given one
-    # What is given in the present step: of a pushed end the force, N; of a moved one
-    # the velocity, m/s; of an endless bar the wave that comes in beside
-    # `background_wave`, m/s
+    impedance: float  # impedance of a semi-infinite bar, kg/s; 0 at any other end
+    # Constant wave, m/s, that comes from this bar in addition to the prescribed one
+    background_wave: float
+    # Prescribed value in the present step: the force of a pushed end, N, the velocity
+    # of a moved end, m/s, or the wave from an endless bar, m/s, which is added to
+    # `background_wave`
     prescribed: float
 
 
 class Signal:
-    """State of a link in a step."""
+    """Recorded values of a link in a step."""
 
-    force: float  # mean over the step
-    gap: float  # gap at the end of the step
-    closing: float  # mean closing velocity
+    force: float  # mean over the step, N
+    gap: float  # gap at the end of the step, m/s times steps
+    closing: float  # mean closing velocity, m/s
 
 
 RUN = dtype_of(Run)
@@ -148,17 +153,19 @@ class Grid(NamedTuple):
     velocity: Any  # [node]
     force: Any  # [cell] elastic tension in the middle of the last step
     # LU factors of the tridiagonal matrix of a step, [node], see `elimination_kernel`
-    lower: Any  # 0 where nothing is implicit
-    inverse_diagonal: Any  # 1/mass where nothing is implicit; 1 if prescribed
-    upper: Any
-    velocity_by_first: Any  # [node] by a unit force on the first node of its piece
-    velocity_by_last: Any  # [node] by a unit force on the last node of its piece
+    lower: Any  # 0 in explicit steps
+    inverse_diagonal: Any  # 1/mass in explicit steps; 1 if the velocity is prescribed
+    upper: Any  # 0 in explicit steps
+    # [node] velocity change in a step by a unit force on the first or the last node of
+    # the piece, (m/s)/N
+    velocity_by_first: Any
+    velocity_by_last: Any
     stiffness: Any  # [cell]
     pieces: Any  # [piece] PIECE
     viscous: Any  # [cell] eta A/dx
     lost: Any  # [cell] energy turned to heat
     old_velocity: Any  # [node] velocity before this step
-    change: Any  # [node] change of velocity in this step, where it is implicit
+    change: Any  # [node] change of velocity in an implicit step
     radial_strain: Any  # [cell] q in the middle of the last step
     radial_rate: Any  # [cell] rate of q
     inverse_radial_inertia: Any  # [cell] 1/J
@@ -169,10 +176,10 @@ class Grid(NamedTuple):
     links: Any  # [link] LINK, from left to right
     ends: Any  # two END
     soil: Any  # [node that soil holds] SOIL
-    # The equations of a step without soil, for soil that changes them
+    # Matrix of the equations of a step, for soil that changes them
     off_diagonal: Any  # [cell] entries with opposite sign
-    diagonal: Any  # [node]
-    loaded_diagonal: Any  # [node] the same with soil
+    diagonal: Any  # [node] without soil
+    loaded_diagonal: Any  # [node] with soil
     is_prescribed: Any  # [node] 1 where the velocity is prescribed
     watched: Any  # nodes whose velocities are recorded after each step
     pulled: Any  # cells whose tensions are recorded in each step
@@ -186,12 +193,12 @@ class StepHistory(NamedTuple):
     velocities: Any  # [step, watched node] velocity at the end of the step
     tensions: Any  # [step, pulled cell] elastic tension in the middle of the step
     shafts: Any  # [step, rod that soil holds] SHAFT_FORCE
-    when: Any  # [state] steps taken when it is stored
-    lost: Any  # [state] energy turned to heat
+    when: Any  # [state] number of steps taken when the state is stored
+    lost: Any  # [state] energy turned to heat so far
     velocity: Any  # [state, node]
     force: Any  # [state, cell] tension
     displacement: Any  # [state, piece] displacement of its first node
-    radial: Any  # [state, cell] radial strains; [state, 0] where no cell has its own
+    radial: Any  # [state, cell] radial strains; [state, 0] if no cell has one
     radial_rate: Any  # [state, cell]
     resistance: Any  # [state, node that soil holds] static resistance of the soil
 
@@ -201,8 +208,9 @@ STATE_FIELDS = StepHistory._fields[5:]
 
 
 def filled(kind: np.dtype[Any], count: int, /, **columns: Any) -> Any:
-    """Array of `count` records of a kind, with fields from `columns`.
+    """Array of `count` records of the dtype `kind`.
 
+    Each keyword argument names a field and gives its values, [count] or a single one.
     All other fields are 0.
     """
     records = np.zeros(count, kind)

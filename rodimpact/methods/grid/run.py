@@ -1,6 +1,6 @@
 """A run on a grid: its steps, and the results of each step.
 
-Steps are compiled or in plain Python.
+Steps are taken in machine code or in plain Python.
 """
 
 import math
@@ -22,26 +22,26 @@ from .records import SHAFT_FORCE, SIGNAL, STATE_FIELDS, StepHistory
 from .soil import shaft_bodies
 
 GAP_RESOLUTION = 1.0
-"""Gap that counts as open, over the distance that bodies cover in a step.
+"""Smallest gap that counts as open, over the distance that bodies move in a step.
 
-Dispersed waves open smaller gaps.
+Dispersion of waves opens smaller false gaps.
 """
 OVERSHOOT_STEPS = 8
-"""Steps in which waves beside a jump oscillate about their mean."""
+"""Number of steps over which the oscillation of waves beside a jump averages out."""
 REPORT_INTERVAL = 0.25
 """Time between two reports of the progress, s."""
 MIN_STATES_IN_THREES = 12
-"""Number of states to keep, from which on those of damped rods come in threes."""
+"""Fewest states to keep for which states of damped rods are kept in threes."""
 MAX_STATES_BYTES = 64 << 20
-"""Memory of the states that are kept where their number is not given."""
+"""Memory of the states that are kept if their number is not given."""
 CELL_TIME = 7e-10
-"""Time of an explicit step of a cell in machine code, s."""
+"""Computing time of an explicit step per cell in machine code, s."""
 STEP_TIME = 3e-7
-"""Time of such a step beside that of its cells, with the results made of it, s."""
+"""Further time per step in machine code, results of the step included, s."""
 PLAIN_CELL_TIME = 8e-7
-"""Time of an explicit step of a cell in plain Python, s."""
+"""Computing time of an explicit step per cell in plain Python, s."""
 PLAIN_STEP_TIME = 1e-5
-"""Time of such a step beside that of its cells, with the results made of it, s."""
+"""Further time per step in plain Python, results of the step included, s."""
 
 
 class GridRun:
@@ -54,24 +54,23 @@ class GridRun:
         Time step, s.
     row : Row
     clock : Clock
-        Its tick is the `STEP_TICKS`-th part of the step.
+        Its tick is the step divided by `STEP_TICKS`.
     grid : Grid
     history : StepHistory
         Records of the steps taken, and the states that were kept.
     proved : int
-        Step at whose end the collision was proved final, -1 as long as it is not.
+        Number of steps after which the collision was proved final; -1 without a proof.
     checked_steps : int
         Steps for which memory has been checked.
     stopped_by : str
         ``"final"``, ``"until"`` or ``"max_events"``.
     estimates : dict of str to float
         Estimated error of each measure of the outcome, relative to its largest value,
-        see `refinement.refined`; empty where the step was given.
+        see `refinement.refined`; empty if the step was given.
     rtol : float
-        Bound that was wanted for them.
+        Largest error that was wanted for them.
     coarser : list of (float, GridRun)
-        Runs on coarser meshes, with the share of the differences of fields that bounds
-        the error.
+        Runs on coarser meshes, each with its share, see `refinement.comparable_runs`.
 
     Parameters
     ----------
@@ -95,12 +94,12 @@ class GridRun:
         snapshots: int | tuple[float, ...] | None = None,
         expected_steps: int | None = None,
     ) -> None:
-        """Make the grid in its state at t = 0, which is kept; no step is taken.
+        """Make the grid in its state at t = 0, and keep this state; no step is taken.
 
-        `snapshots` or the memory that states may take decides how many are kept. Memory
-        is checked for `expected_steps`, or for four round trips; TooLong is raised if
-        it is short. After the state at t = 0 is kept, contacts that close at once slow
-        down the velocities of damped rods.
+        `snapshots`, or else the memory that states may take, decides how many states
+        are kept. Memory is checked for `expected_steps` or, without it (None or 0), for
+        four round trips; TooLong is raised if it is short. After the state at t = 0 has
+        been kept, damped ends that touch are slowed down, see `start.slow_down`.
         """
         self.mesh = mesh
         self.step = step
@@ -111,8 +110,8 @@ class GridRun:
         self._plan_states(snapshots)
         self.checked_steps = expected_steps or 4 * self.round_trip
         self._require_memory(self.checked_steps)
-        # What this returns is not used: it sets the stride of states, so that few are
-        # kept in vain.
+        # This sets the stride of states for all expected steps, so that few states are
+        # kept and then dropped. The steps that it returns are not used.
         self._choose_states(self.checked_steps)
         self.grid = scheme.grid_of(mesh, step)
         kick = start.begin(mesh, step, self.grid)
@@ -123,20 +122,21 @@ class GridRun:
     def _plan_states(self, snapshots: int | tuple[float, ...] | None) -> None:
         """Set how many states are kept at most, after which steps, and if in threes.
 
-        `snapshots` is the number of all states, 3 at least, or their times, s, beside
-        which states are kept at the step ends before and after. Without it (None or 0)
-        the number follows from the memory that states may take, and is 64 at least. In
-        threes, a state is kept with those one step before and after, to be smoothed:
-        states of damped rods are, if there may be `MIN_STATES_IN_THREES` or more.
-        `_stride`, `_chosen_steps`, `_max_states` and `_in_threes` are set.
+        `snapshots` is the largest number of states, at least 3, or their times, s: for
+        each time the states at the step ends before and after it are kept. Without
+        `snapshots` (None or 0) the number follows from the memory that states may take,
+        and is at least 64. "In threes" means that a state is kept with the states one
+        step before and one step after it, so that it can be smoothed. This is done for
+        damped rods if there may be `MIN_STATES_IN_THREES` states or more. `_stride`,
+        `_chosen_steps`, `_max_states` and `_in_threes` are set.
         """
         mesh = self.mesh
-        self._stride = 1  # steps between two states, where none are chosen
-        # Steps after which states are kept; None where they are not chosen
+        self._stride = 1  # steps between two states, if their times are not given
+        # Steps after which states are kept; None if their times are not given
         self._chosen_steps: Array | None = None
         if snapshots is None or isinstance(snapshots, int):
-            # Two numbers of 8 bytes a node and its cell,
-            # twice as many with radial strains
+            # Two numbers of 8 bytes for each node and its cell: velocity and tension.
+            # Radial strains and their rates are two more.
             state_bytes = 16 * len(mesh.mass)
             if mesh.has_radial_strain:
                 state_bytes *= 2
@@ -150,50 +150,53 @@ class GridRun:
             step_after = np.ceil(times)
             at_start = [0.0]  # the state at t = 0 is always kept
             self._chosen_steps = np.concatenate((step_before, step_after, at_start))
-            self._max_states = 3 * len(self._chosen_steps)  # if they are in threes
+            self._max_states = 3 * len(self._chosen_steps)  # enough for threes
         is_damped = bool(mesh.viscous.any())
         self._in_threes = is_damped and self._max_states >= MIN_STATES_IN_THREES
 
     @property
     def steps(self) -> int:
-        """Steps taken, between which signals are averages."""
+        """Number of steps taken so far."""
         return int(self.grid.run["step"][0])
 
     @property
     def round_trip(self) -> int:
-        """Steps in which waves cross the longest rod and come back."""
-        return 2 * max(1, math.ceil(self.clock.longest_rod / STEP_TICKS))
+        """Number of steps in which waves cross the longest rod and come back; even."""
+        transit = math.ceil(self.clock.longest_rod / STEP_TICKS)  # ticks to steps
+        return 2 * max(1, transit)
 
     # The steps ------------------------------------------------------------------------
 
     def _require_memory(self, steps: int) -> None:
         """Raise TooLong if a run of so many steps takes too much memory.
 
-        What it takes is estimated in numbers of 8 bytes: records of the steps with the
-        results made of them, and states that are kept. `checked_steps` becomes `steps`.
+        The memory is estimated in numbers of 8 bytes. They are the records of the steps
+        with the results made of them, and the states that are kept. `checked_steps`
+        becomes `steps`.
         """
         mesh = self.mesh
         row = self.row
-        states = min(steps, self._max_states) + 2.0
+        states = min(steps, self._max_states) + 2.0  # 2: those at the start and the end
         self.checked_steps = steps
-        # Numbers of a step that the kernel records: three a link, one an end, a watched
-        # node and a cell
+        # Numbers that the kernel records in a step: three for each link, one for each
+        # of both ends, each watched node and each pulled cell
         recorded = 3 * len(mesh.touching) + 2 + len(mesh.watched) + len(mesh.pulled)
-        # Numbers of a step that are made of them: force, gap, path, rate and power of a
-        # contact with their integrals; those of masses; those of ends, and times
+        # Numbers that are made of them for each step: force, gap, path, rate and power
+        # of a contact with their integrals (10), those of a mass (5), and those of both
+        # ends with the times (26)
         results = 10 * len(row.contact_link) + 5 * len(row.masses) + 26
-        # Records are there twice while they are joined.
+        # Records exist twice while new ones are joined to the old.
         in_steps = steps * (2.0 * recorded + results)
-        # So are states, while they are joined or fields are made of them.
-        per_state = 2 * len(mesh.mass)
+        # So do states while they are joined or fields are made of them.
+        per_state = 2 * len(mesh.mass)  # velocity and tension, see `_plan_states`
         if mesh.has_radial_strain:
             per_state *= 2
         in_states = 2 * states * (per_state + len(mesh.starts) + 3)
         if not kernels.enabled():
-            # Lists take four times the memory of arrays, and stand beside them.
+            # Plain Python also needs lists, which take four times the memory of arrays.
             in_steps += 4.0 * steps * recorded
             in_states *= 3
-        # The argument that the error names: that of the larger part
+        # The error names the argument that reduces the larger part.
         if in_steps <= in_states:
             argument = "snapshots"
         else:
@@ -208,9 +211,10 @@ class GridRun:
     def _choose_states(self, end: int) -> Array:
         """Steps after which states are kept in a run to step `end`, [state].
 
-        They increase, from 0 to `end`, the last state. They are the chosen steps, or a
-        stride apart: `_stride` is doubled, for good, until there are no more than
-        wanted. In threes each comes with the step before and the step after it.
+        They increase from 0 to `end`. They are the chosen steps, if states are kept at
+        given times, else one stride apart: `_stride` is doubled, for the rest of the
+        run, until there are no more than `_max_states`. In threes, the step before and
+        the step after each of them are added.
         """
         if self._chosen_steps is not None:
             wanted = self._chosen_steps[self._chosen_steps <= end].astype(int)
@@ -220,21 +224,21 @@ class GridRun:
             wanted = np.arange(0, end, self._stride)
         if self._in_threes:
             kept = np.concatenate((wanted - 1, wanted, wanted + 1))
-            last = end - np.arange(4)  # a three at the end, too, and one step more
+            at_end = end - np.arange(4)  # three states at the end, too, and one more
         else:
             kept = wanted
-            last = np.array([end])
-        steps = np.union1d(kept, last)  # in order, each once
+            at_end = np.array([end])
+        steps = np.union1d(kept, at_end)  # in increasing order, each once
         is_in_run = (steps >= 0) & (steps <= end)
         return np.asarray(steps[is_in_run])
 
     def _bound_states(self, end: int) -> int:
         """Upper bound of the number of states kept in a run to step `end`.
 
-        It is that with the present stride, where no steps are chosen.
+        It is the bound for the present stride; the times of the states are not given.
         """
-        states = end // self._stride + 2
-        # With the stride 1 each step is kept anyway, and threes add none.
+        states = end // self._stride + 2  # 2: those at the start and the end
+        # With the stride 1 every state is kept anyway, and threes add none.
         if self._in_threes and self._stride > 1:
             return 3 * states
         return states
@@ -242,8 +246,8 @@ class GridRun:
     def _empty_history(self, steps: int, states: int) -> StepHistory:
         """Arrays for the records of the kernel over so many steps and states.
 
-        Their numbers are arbitrary. Those of radial strains have 0 columns where no
-        cell has its own.
+        Their values are not set. The arrays of radial strains have 0 columns if no cell
+        has a radial strain.
         """
         grid = self.grid
         n = len(self.mesh.mass)  # nodes; there is one cell more
@@ -268,22 +272,24 @@ class GridRun:
         )
 
     def advance(self, end: int, report: Callable[[int], None] | None = None) -> None:
-        """Run to step `end`; `report` is told the steps taken, several times a second.
+        """Run to step `end`.
 
-        The grid is left in the state at the end, and `history` becomes a new one: the
-        records and kept states of the new steps are joined to the old, without the
-        states that a wider stride no longer wants. TooLong is raised if memory is
-        short, InvalidModel if walls squeeze a rigid mass.
+        `report` is called with the steps taken, about 4 times a second. The grid is
+        left in the state after step `end`. `history` is replaced by a new one, in which
+        the records and states of the new steps follow the old ones, without the states
+        that a wider stride no longer keeps. TooLong is raised if memory is short,
+        InvalidModel if walls squeeze a rigid mass.
         """
         if end > self.checked_steps:
+            # At least twice the steps, so that this is rarely checked
             self._require_memory(max(end, 2 * self.checked_steps))
         first = self.steps
-        when = self._choose_states(end)  # steps of all states, also of those kept
-        # Which of the states kept so far are wanted still [state]
-        still_wanted = np.isin(self.history.when, when, assume_unique=True)
-        all_wanted = bool(still_wanted.all())  # then no copy is needed
-        # The states that are still wanted are the first ones of `when`.
-        new_states = when[still_wanted.sum() :]
+        when = self._choose_states(end)  # steps of all states to keep, old and new
+        # Whether each state kept so far stays [state]
+        stays = np.isin(self.history.when, when, assume_unique=True)
+        all_stay = bool(stays.all())  # then no copy is needed
+        # The old states that stay are the first ones of `when`.
+        new_states = when[stays.sum() :]
         window = self._empty_history(end - first, len(new_states))
         window.when[:] = new_states
         for side in (0, 1):
@@ -293,20 +299,20 @@ class GridRun:
         joined = {}
         for name in StepHistory._fields:
             old = getattr(self.history, name)
-            if name in STATE_FIELDS and not all_wanted:
-                old = old[still_wanted]
+            if name in STATE_FIELDS and not all_stay:
+                old = old[stays]
             joined[name] = record_lists.joined(old, getattr(window, name))
         self.history = StepHistory(**joined)
 
     def _run_kernel(
         self, window: StepHistory, end: int, report: Callable[[int], None] | None
     ) -> None:
-        """Take the steps to `end`, and fill the window with their records.
+        """Take the steps up to `end`, and fill the window with their records.
 
-        The steps are taken in machine code if that pays, by the estimated time of plain
-        Python. The grid and the window, for the steps from the present one on, are
-        changed in place; in plain Python lists are made of them, and copied back.
-        `report` is told the steps taken, but not the last.
+        The steps are taken in machine code if compiling pays, judged by the estimated
+        time in plain Python. The grid and the window, which begins with the next step,
+        are changed in place; for plain Python they are copied to lists and back.
+        `report` is called with the number of steps taken, but not after the last step.
 
         Raises
         ------
@@ -314,12 +320,12 @@ class GridRun:
             If walls squeeze a rigid mass.
         """
         first = self.steps
-        # Kernels take flat arrays: these share the memory of the window.
+        # Kernels take flat arrays; these share the memory of the window.
         flat_window = StepHistory(*(array.reshape(-1) for array in window))
         records = [*self.grid, *flat_window]  # arrays
         self.grid.run["first_step"] = first
         self.grid.run["kept_states"] = 0
-        # Time that the steps take in plain Python, with making and copying lists, s
+        # Estimated time in plain Python, s: the steps, and copying to lists and back
         numbers = sum(array.nbytes for array in records) // 8
         plain_seconds = (end - first) * step_time(self.mesh, plain=True)
         plain_seconds += numbers * kernels.LIST_TIME
@@ -336,27 +342,27 @@ class GridRun:
         time_of_step = step_time(self.mesh, plain=not is_compiled)
         chunk = max(1, int(REPORT_INTERVAL / time_of_step))  # steps between two reports
         is_solved = True
-        # The kernel goes on to each of these steps in turn, the last one is `end`.
+        # The kernel runs to each of these steps in turn; the last one is `end`.
         for until in (*range(first + chunk, end, chunk), end):
             is_solved = is_solved and kernel(grid, history, until)
             if is_solved and report and until < end:
                 report(until)
         if not is_compiled:
-            # The lists stand in the order of the arrays that they were made of.
+            # The lists are in the same order as the arrays.
             lists = [*grid, *history]
             for array, objects in zip(records, lists, strict=True):
                 array[:] = record_lists.as_records(objects, array.dtype)
         if not is_solved:
-            # `steps` reads the record in which the kernel has counted.
+            # The kernel has counted the steps taken before the error.
             raise squeezed(self.steps * self.step)
 
     # Results --------------------------------------------------------------------------
 
     @property
     def edges(self) -> Array:
-        """Ticks at the ends of steps, from 0 on [steps + 1].
+        """Times of the ends of steps, in ticks, from 0 on [steps + 1].
 
-        Signals are averages between them.
+        Signals are averages between neighbouring edges.
         """
         return STEP_TICKS * np.arange(self.steps + 1)
 
@@ -366,10 +372,10 @@ class GridRun:
         return np.asarray(self.edges * self.clock.tick)
 
     def motion(self, states: Any = slice(None)) -> GridMotion:
-        """The motion in the states that were kept, or in some of them.
+        """The motion in all states that were kept, or in some of them.
 
-        `states` is an index of states: a slice or a list. `pushes` of the motion, from
-        outside pieces, are left empty.
+        `states` is an index of the states: a slice or a list. The field `pushes` of the
+        motion is left empty.
         """
         mesh = self.mesh
         fields = {name: getattr(self.history, name)[states] for name in STATE_FIELDS}
@@ -388,37 +394,40 @@ class GridRun:
         )
 
     def recorded(self, link: int, field: str) -> Array:
-        """Values of a field of `SIGNAL` of a link that has a law, [step].
+        """Recorded values of a field of `SIGNAL` for a contact or joint, [step].
 
-        Time is in steps. A bond has no law, and raises ValueError.
+        `link` is its number in the row. Units are those of `SIGNAL`, with time in
+        steps. A bond is not recorded and raises ValueError.
         """
-        # Number of the link in the grid, or ValueError
+        # Column of the link in the records, or ValueError
         column = list(self.mesh.touching).index(link)
         return np.ascontiguousarray(self.history.signals[:, column][field])
 
     def contact(self, contact: int) -> tuple[Array, Array]:
-        """Force and gap of a contact or a joint; a bond raises ValueError.
+        """Force and gap of contact number `contact`, which may be a joint.
+
+        A bond raises ValueError.
 
         Returns
         -------
         array
             Mean force in each step, N [step].
         array
-            Gap, or stretch of a joint, at the ends of steps from t = 0 on, m
-            [step + 1].
+            Gap, or stretch of a joint, at t = 0 and at the ends of steps, m [step + 1].
         """
         link = self.row.contact_link[contact]
-        force = self.recorded(link, "force")  # a bond has none: ValueError
-        gap = self.recorded(link, "gap") * self.step  # the grid divides lengths by it
+        force = self.recorded(link, "force")  # ValueError for a bond
+        # m: the grid divides lengths by the step
+        gap = self.recorded(link, "gap") * self.step
         first_gap = float(initial_gap(self.row.links[link]))  # at t = 0, m
         return force, np.append(first_gap, gap)
 
     def force_intervals(self, contact: int) -> Array:
         """Begin and end of each force of a contact, and the opening after it, s [n, 3].
 
-        A time that does not come is nan, see `contact_intervals`. There are none,
-        [0, 3], for a joint or bond, which cannot open. A gap counts as open if it is
-        more than `GAP_RESOLUTION` times the way that bodies go in a step.
+        A time that is not reached is nan, see `contact_intervals`. A joint or bond
+        cannot open, and has none, [0, 3]. A gap counts as open if it is more than
+        `GAP_RESOLUTION` times the distance that bodies move in a step.
         """
         if contact not in self.row.unilateral_links:
             return np.zeros((0, 3))
@@ -430,27 +439,28 @@ class GridRun:
         """Times at which forces of a contact begin, and at which they end, s [n] each.
 
         `intervals` are its `force_intervals`. A force that still acts at the end of the
-        run ends with it.
+        run ends there.
         """
-        begins, ends, _ = intervals.T
+        begins, ends, _ = intervals.T  # openings are not used
         return begins, np.nan_to_num(ends, nan=self.times[-1])
 
     def velocity(self, node: int) -> Array:
         """Velocity of a watched node in the frame at the ends of steps, m/s [step + 1].
 
-        The first one is at t = 0. Other nodes raise ValueError.
+        The first value is that at t = 0. A node that is not watched raises ValueError.
         """
         column = self.mesh.watched.index(node)  # ValueError if it is not watched
         velocities = self.history.velocities[:, column]
         return np.concatenate((self.history.velocity[:1, node], velocities))
 
     def mass_velocity(self, mass: int) -> Array:
-        """Velocity of a mass in the frame at the ends of steps, m/s [step + 1].
+        """Velocity of a mass or wall in the frame at the ends of steps, m/s [step + 1].
 
-        The first one is at t = 0. `mass` is a number of the row's masses, or their
-        number plus 0 or 1: its left or right wall, which the falling frame passes.
+        The first value is that at t = 0. `mass` is the index of one of the n rigid
+        masses of the row, or n for its left and n + 1 for its right wall. Relative to
+        the falling frame, a wall is accelerated.
         """
-        side = mass - len(self.row.masses)
+        side = mass - len(self.row.masses)  # 0 or 1 for a wall, negative for a mass
         if side < 0:
             return self.velocity(self.mesh.node_of_mass[mass])
         _, wall_velocity = self.row.boundaries[side]
@@ -458,23 +468,25 @@ class GridRun:
         return np.asarray(at_start - self.row.system.gravity * self.times)
 
     def bond_force(self, link: int) -> Array:
-        """Mean force in a bonded link, whose force is recorded, in each step, N [step].
+        """Mean force in a bonded link of `mesh.bonds` in each step, N [step].
 
-        A force > 0 presses. It follows from Newton's law for the half cell of the rod
-        between the link and a cell. With sign 1 for a rod on the left of the link and
-        -1 on its right, F = -tension - sign (m/2 dv/dt - force of the soil).
+        A compressive force is positive. It follows from Newton's law for the half cell
+        of the rod next to the link. With sign 1 for a rod on the left of the link and
+        -1 for a rod on its right, F = -tension - sign (m/2 dv/dt - force of the soil),
+        m the mass of the cell.
         """
         mesh = self.mesh
         node, cell = mesh.bonds[link]
-        if cell == node:  # cell i lies on the left of node i
+        if cell == node:  # cell i is on the left of node i
             sign = 1
         else:
             sign = -1
         v = self.velocity(node)
         other_v = self.velocity(node - sign)  # at the other node of the cell
         stretch_rate = sign * (v - other_v)  # at the ends of steps, m/s
-        # The tension is elastic, viscous by the velocities before the step, and
-        # implicit by their change in it: of lateral inertia and half of the viscosity.
+        # The tension has three parts: an elastic one, a viscous one by the velocities
+        # before the step, and one by their change in the step, from lateral inertia and
+        # half of the viscosity.
         elastic = self.history.tensions[:, mesh.pulled.index(cell)]
         viscous = mesh.viscous[cell] * stretch_rate[:-1]
         coupling = scheme.off_diagonal_of(mesh, self.step)[cell]  # J/h + D/2, kg/s
@@ -485,9 +497,9 @@ class GridRun:
         return np.asarray(-tension - sign * (momentum_rate - soil))
 
     def recorded_soil(self, shaft: int, field: str) -> Array:
-        """Values of a field of `SHAFT_FORCE` of a rod that soil holds, [step].
+        """Recorded values of a field of `SHAFT_FORCE` for a rod in soil, [step].
 
-        `shaft` is the place of the rod among the `shaft_bodies`.
+        `shaft` is the index of the rod in `shaft_bodies`.
         """
         return np.ascontiguousarray(self.history.shafts[:, shaft][field])
 
@@ -495,11 +507,11 @@ class GridRun:
         """Force of the soil to the right in some states, N [state, node in soil].
 
         `fields` has the `STATE_FIELDS` of these states, by name. The force is
-        -(R + c v), R the static resistance, v the velocity against the ground, and the
-        damping c = J abs(R) by Smith's law, else a constant.
+        -(R + c v) with the static resistance R, the velocity v relative to the ground,
+        and the damping c, which is J abs(R) by Smith's law and constant otherwise.
         """
         soil = self.grid.soil
-        t = fields["when"][:, None] * self.step  # [state, 1]
+        t = fields["when"][:, None] * self.step  # s [state, 1]
         in_frame = fields["velocity"][:, soil["node"]]
         # The ground rests in the laboratory, in which the frame moves and falls.
         velocity = in_frame + self.row.frame + self.row.system.gravity * t
@@ -511,8 +523,9 @@ class GridRun:
     def _soil_at_end(self, node: int, sign: int) -> Array:
         """Mean force of the soil on the half cell at an end of a rod, N [step].
 
-        It acts to the right. The end is the right (`sign` = 1) or left (-1) one of the
-        rod that has `node` there. It is 0 where no soil holds this rod.
+        A force to the right is positive. With `sign` 1 it is the force at the right end
+        of the rod whose last node is `node`, with `sign` -1 that at the left end of the
+        rod whose first node is `node`. It is 0 if this rod has no soil.
         """
         for shaft, body in enumerate(shaft_bodies(self.row)):
             first, last = self.row.spans[body]
@@ -535,13 +548,14 @@ class GridRun:
 
     @cached_property
     def overshoot(self) -> float:
-        """Overshoot of the peak force of rigid contacts, over this peak.
+        """Overshoot of the peak force of rigid contacts, relative to this peak.
 
-        The overshoot is the peak of the step means less the peak of the means over
-        `OVERSHOOT_STEPS`, 0 at least: beside a jump waves on a grid overshoot by a
-        share that no finer mesh makes less; averages over a few steps do not. It and
-        the peak are the largest among all rigid contacts, which need not be of one
-        contact. 0 without such contacts, or without forces in them.
+        The overshoot is the peak of the means over one step minus the peak of the means
+        over `OVERSHOOT_STEPS` steps, at least 0. Beside a jump waves on a grid
+        overshoot by a fraction that no finer mesh reduces; means over several steps do
+        not. The largest overshoot and the largest peak among all rigid contacts count,
+        even if they belong to two contacts. The result is 0 without rigid contacts, or
+        if they have no forces.
         """
         largest_peak = 0.0
         largest_excess = 0.0
@@ -549,8 +563,8 @@ class GridRun:
             if self.row.links[link].law != Law.RIGID:
                 continue
             force, _ = self.contact(contact)
-            # Means over the last few steps up to each step, [step], the force being 0
-            # before t = 0: differences of sums that are so many steps apart
+            # Means over the last OVERSHOOT_STEPS steps up to each step, [step]. They
+            # are differences of cumulative sums; the zeros are sums before t = 0.
             sums = np.concatenate((np.zeros(OVERSHOOT_STEPS), np.cumsum(force)))
             means = (sums[OVERSHOOT_STEPS:] - sums[:-OVERSHOOT_STEPS]) / OVERSHOOT_STEPS
             peak = largest_force(force)
@@ -563,55 +577,57 @@ class GridRun:
 
     @property
     def peak_error(self) -> float:
-        """Relative error of the peak force that no finer mesh makes less.
+        """Relative error of the peak force that no finer mesh reduces.
 
-        It is twice the `overshoot`, but inf where flat ends of damped rods, or of rods
-        with lateral inertia, may meet: any finer mesh finds a larger force.
+        It is twice the `overshoot`, but inf if the row has contacts of flat ends and
+        any rod is damped or has lateral inertia: there any finer mesh finds a larger
+        force.
         """
         mesh = self.mesh
+        is_damped = bool(mesh.viscous.any())
         is_dispersive = mesh.lateral_inertia.any() or mesh.has_radial_strain
         has_flat_ends = any(link.law == Law.RIGID for link in self.row.links)
-        if has_flat_ends and (mesh.viscous.any() or is_dispersive):
+        if has_flat_ends and (is_damped or is_dispersive):
             return math.inf
         return 2 * float(self.overshoot)
 
 
 def step_time(mesh: Mesh, *, plain: bool) -> float:
-    """Approximate time that the computer takes for a step of a mesh, s.
+    """Approximate computing time of one step of a mesh, s.
 
-    The step is taken in plain Python, or else in machine code.
+    The step is taken in plain Python if `plain`, else in machine code.
     """
     if plain:
         of_step = PLAIN_STEP_TIME
         of_cell = PLAIN_CELL_TIME
-        of_equations = 2  # times as long as the rest of a cell
+        of_equations = 2  # relative to the time of the explicit part
     else:
         of_step = STEP_TIME
         of_cell = CELL_TIME
         of_equations = 6
-    explicit_steps = 1  # that take as long for a cell
+    factor = 1  # time of a cell relative to that in an explicit step
     if mesh.has_radial_strain:  # radial strains take as long as the nodes
-        explicit_steps += 1
+        factor += 1
     if mesh.implicit:
-        explicit_steps += of_equations
-    return of_step + len(mesh.mass) * explicit_steps * of_cell
+        factor += of_equations
+    return of_step + len(mesh.mass) * factor * of_cell
 
 
 def clock_on(mesh: Mesh, step: float) -> Clock:
     """Clock of a mesh with steps of `step`, s, each of which has `STEP_TICKS` ticks.
 
-    Transit times are those of the segments, rounded to ticks, 1 at least; they are not
-    those of their cells. Impedances of segments are means: the mass over the transit
-    time.
+    Transit times are the exact ones of the segments, rounded to ticks and at least 1
+    tick; they are not multiples of the step. The impedance of a segment is its mass
+    divided by its transit time, a mean over its length.
     """
     row = mesh.row
     tick = step / STEP_TICKS  # s
     transits = []  # ticks, by segment
-    impedances = [0.0]  # kg/s, by segment; 0 is that of the outside
+    impedances = [0.0]  # kg/s, by segment; the first 0 is that of the outside
     for s, segment in enumerate(row.segments, start=1):
         transit = max(1, round(float(segment.transit_time) / tick))
-        # Cell i lies on the left of node i: the first one of this segment lies between
-        # its first node and the next.
+        # Cell i is on the left of node i, so the first cell of the segment has the
+        # index of its second node.
         cells = slice(mesh.first[s] + 1, mesh.last[s] + 1)
         mass = float(mesh.cell_mass[cells].sum())
         transits.append(transit)

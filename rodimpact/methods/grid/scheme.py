@@ -1,6 +1,6 @@
 """The constants of the equations of a grid, as arrays of the kernels.
 
-They follow from a mesh and a step.
+They follow from a mesh and a time step.
 """
 
 from typing import Any, NamedTuple
@@ -21,9 +21,12 @@ from .records import NONE, Grid, filled
 from .soil import ground_velocities, shaft_bodies, soil_of
 
 SMALLEST_STIFFNESS = 2.0**-800
-"""Smallest stiffness of a contact with time in steps: below it forces vanish."""
+"""Smallest stiffness of a contact with time in steps: below it forces underflow."""
 VELOCITY_RTOL = 2.0**-40
-"""Part of the velocity scale below which contacts graze: round-off of many steps."""
+"""Fraction of the velocity scale that may be round-off of many steps.
+
+Closing velocities below it count as 0.
+"""
 KINDS = {
     "none": BoundaryKind.STEADY,
     "force": BoundaryKind.PUSHED,
@@ -42,37 +45,39 @@ class Factors(NamedTuple):
 
 
 class Responses(NamedTuple):
-    """Velocities in a step by unit forces on all ends of pieces, m/s per N [node]."""
+    """Velocity changes in a step by unit forces on ends of pieces, (m/s)/N [node]."""
 
-    by_first: Array  # on the first nodes
-    by_last: Array  # on the last nodes
+    by_first: Array  # by a unit force on the first node of each piece
+    by_last: Array  # by a unit force on the last node of each piece
 
 
 def grid_of(mesh: Mesh, step: float) -> Grid:
-    """Make the grid of a mesh for steps of `step`, s.
+    """Make the grid of a mesh for time steps of `step`, s.
 
-    It is at rest, without tension, with the given gaps; soil has its resistance at
-    t = 0. Time is counted in steps, see `records`. The equations of a step are
-    (M + J + D/2) dv = forces, see `grid_kernel`: a cell adds J + D/2 to the diagonal of
-    both of its nodes, and to the off-diagonal between them; half of the impedance of an
-    endless bar and of the damping of soil are on the diagonal. A contact that is too
-    soft for the step raises InvalidModel.
+    The grid is at rest and without tension. Its links have the gaps of the row, and
+    soil has its resistance at t = 0. Time is counted in steps, see `records`. The
+    equations of a step are (M + J + D/2) dv = forces, see `grid_kernel`. A cell adds
+    its J + D/2 to the diagonal at both of its nodes, and subtracts it off the diagonal.
+    The diagonal also has half of the impedance of an endless bar and half of the
+    damping of soil. A contact that is too soft for the step raises InvalidModel.
     """
     row = mesh.row
-    n = len(mesh.mass)
+    n = len(mesh.mass)  # number of nodes; there is one cell more
     cells = mesh.cells
     # Time is counted in steps: M becomes M/h, and a stiffness k becomes k h.
     impedance = _end_impedances(mesh)
     inertia = mesh.mass / step
-    # An endless bar pushes with Z (wave - v), v the mean over the step: half of dv.
+    # An endless bar pushes with Z (wave - v). The mean v over the step is the old
+    # velocity plus dv/2, so Z/2 belongs to dv.
     inertia[mesh.ends] += impedance / 2
     off_diagonal = off_diagonal_of(mesh, step)
     # Node i lies between the cells i and i + 1.
     diagonal = inertia + off_diagonal[:-1] + off_diagonal[1:]
     soil = soil_of(mesh, step)
-    # Smith's damping follows the resistance, and changes the diagonal.
+    # Smith's damping is proportional to the resistance: it changes from step to step.
     has_changing_damping = (soil["is_smith"] > 0) & (soil["damping_factor"] > 0)
-    soil_damping = np.bincount(soil["node"], soil["damping"] / 2, n)  # [node]
+    # [node]; half, as for an endless bar
+    soil_damping = np.bincount(soil["node"], soil["damping"] / 2, n)
     loaded_diagonal = diagonal + soil_damping
     factors = factorise(mesh, loaded_diagonal, off_diagonal)
     responses = responses_to_pushes(mesh, factors)
@@ -107,6 +112,7 @@ def grid_of(mesh: Mesh, step: float) -> Grid:
         coupling=cells.coupling * step,
         radial_stiffness=(cells.radial_stiffness - coupling_share) * step,
         tension_share=quotient(cells.coupling, cells.stiffness),
+        # Node i lies between the cells i and i + 1; the last cell has no next cell.
         shear=np.append(mesh.shear_stiffness * step, 0.0),
         links=_links(mesh, step, responses),
         ends=filled(
@@ -129,7 +135,8 @@ def grid_of(mesh: Mesh, step: float) -> Grid:
 def off_diagonal_of(mesh: Mesh, step: float) -> Array:
     """Off-diagonal entries of the matrix M + J + D/2 with opposite sign, kg/s [cell].
 
-    They are not negative: lateral inertia over the step, s, plus half of the viscosity.
+    An entry is the lateral inertia of the cell divided by `step`, s, plus half of its
+    viscosity. No entry is negative.
     """
     return np.asarray(mesh.lateral_inertia / step + mesh.viscous / 2)
 
@@ -137,24 +144,26 @@ def off_diagonal_of(mesh: Mesh, step: float) -> Array:
 def _end_impedances(mesh: Mesh) -> Array:
     """Impedances of semi-infinite bars beyond both ends, kg/s [end]; 0 without a bar.
 
-    They are sqrt(E A rho A) = sqrt((E A/dx) (rho A dx)) of the first and the last cell
-    of the row. E A/dx is the relaxed stiffness, as slow waves feel it.
+    The impedance is sqrt(E A rho A) = sqrt((E A/dx) (rho A dx)) of the first or the
+    last cell of the row. E A/dx is the relaxed stiffness, that for slow waves.
     """
-    cells = mesh.end_cells
+    end_cells = mesh.end_cells  # indices of the first and the last cell
     has_bar = [kind == "absorbing" for kind, _ in mesh.row.boundaries]
-    impedances = np.sqrt(mesh.cells.relaxed_stiffness[cells] * mesh.cell_mass[cells])
+    stiffness = mesh.cells.relaxed_stiffness[end_cells]
+    impedances = np.sqrt(stiffness * mesh.cell_mass[end_cells])
     return np.where(has_bar, impedances, 0.0)
 
 
 def factorise(mesh: Mesh, diagonal: Array, off_diagonal: Array) -> Factors:
-    """LU factors of the equations with these entries, see `elimination_kernel`.
+    """LU factors of tridiagonal equations of a step, see `elimination_kernel`.
 
-    `diagonal` is [node]; `off_diagonal` [cell] has the opposite sign. Nodes whose
-    velocity is prescribed in the mesh have the equation x[i] = right side.
+    The matrix has the entries `diagonal` [node] and -`off_diagonal` [cell]. A node
+    whose velocity is prescribed in the mesh has the equation x[i] = right side. Nothing
+    is changed.
     """
     n = len(diagonal)
-    # The kernel runs in plain Python here, faster on lists than on arrays. It fills
-    # these three.
+    # The kernel runs in plain Python here, where lists are faster than arrays. It fills
+    # these three lists.
     lower = [0.0] * n
     inverse_diagonal = [0.0] * n
     upper = [0.0] * n
@@ -172,20 +181,20 @@ def factorise(mesh: Mesh, diagonal: Array, off_diagonal: Array) -> Factors:
 def velocity_changes(factors: Factors, forces: Any) -> Array:
     """Changes of velocity in a step, m/s [node], by `forces` on the nodes, N [node].
 
-    They solve the equations of the step. At nodes whose velocity is prescribed `forces`
-    has the change itself. `forces` are not changed.
+    They solve the equations of the step. At a node whose velocity is prescribed the
+    entry of `forces` is the change of velocity itself, m/s. `forces` is not changed.
     """
-    x = np.array(forces, float)
+    x = np.array(forces, float)  # a copy, which becomes the solution
     elimination.substitute(*factors, x)
     return x
 
 
 def responses_to_pushes(mesh: Mesh, factors: Factors) -> Responses:
-    """Velocities that unit forces on first or last nodes of pieces give in a step.
+    """Velocity changes in a step by unit forces on first or last nodes of pieces.
 
-    They solve the equations with these factors. Forces on all pieces act at once, as
-    pieces are not coupled. A node whose velocity is prescribed takes no force: a piece
-    pushed there stays at 0.
+    They solve the equations with these factors. The unit forces act on all pieces at
+    once, as pieces are not coupled. No force acts on a node whose velocity is
+    prescribed: the velocities of a piece pushed there stay 0.
     """
     n = len(mesh.mass)
     unit_force = np.where(mesh.is_prescribed == 0, 1.0, 0.0)
@@ -205,10 +214,10 @@ def responses_to_pushes(mesh: Mesh, factors: Factors) -> Responses:
 def _links(mesh: Mesh, step: float, responses: Responses) -> Array:
     """Links between neighbouring pieces at t = 0, [link] `records.LINK`.
 
-    Time is counted in steps: stiffnesses and gaps are scaled, the other fields of the
-    law are copied. Nodes, mobilities and chains follow from the mesh and `responses`;
-    links that are coupled make a chain, whose forces are solved together. `is_closed`
-    is set where the gap is 0. Forces and closings are 0.
+    Stiffnesses and gaps are those for time in steps; the other fields of the law are
+    copied. Nodes, mobilities and chains follow from the mesh and `responses`. Coupled
+    links make a chain, whose forces are solved together. `is_closed` is 1 where the gap
+    is 0. Forces and closings are 0.
 
     Raises
     ------
@@ -217,9 +226,10 @@ def _links(mesh: Mesh, step: float, responses: Responses) -> Array:
     """
     laws = as_records([mesh.row.links[i] for i in mesh.touching], LINK)
     count = len(laws)
-    in_time_steps = in_steps(laws, step)  # stiffness and gap
+    in_time_steps = in_steps(laws, step)  # by name: stiffness and gap
     _refuse_soft(laws, in_time_steps["stiffness"], step)
-    # Last node of the piece on the left of each link, first node of that on its right
+    # Last node of the piece on the left of each link, first node of the piece on its
+    # right
     left = np.array(mesh.stops[:-1], np.int64)
     right = np.array(mesh.starts[1:], np.int64)
     leftmost: Any
@@ -227,14 +237,14 @@ def _links(mesh: Mesh, step: float, responses: Responses) -> Array:
     if mesh.implicit:  # a force changes the velocities of its whole piece in a step
         leftmost = mesh.starts[:-1]
         rightmost = mesh.stops[1:]
-    else:  # or that of its node alone
+    else:  # a force changes the velocity of its node alone
         leftmost = left
         rightmost = right
-    # A link is coupled to the one before it by the piece between both: a force in that
-    # one, on the first node of the piece, moves its last node, `left` of this one. In
-    # explicit steps only a piece of a single node does. Half of a velocity counts, as a
-    # closing is the mean of those before and after the step.
-    coupling = np.zeros(count)
+    # The piece between two links couples them: the force of the link before acts on the
+    # first node of the piece and moves its last node, the left node of this link. In
+    # explicit steps only a piece of a single node does so. The closing velocity of a
+    # step is the mean of the values before and after it, hence the factor 1/2.
+    coupling = np.zeros(count)  # stays 0 for the first link
     coupling[1:] = responses.by_first[left[1:]] / 2
     links: Array = filled(
         records.LINK,
@@ -258,13 +268,15 @@ def _links(mesh: Mesh, step: float, responses: Responses) -> Array:
 def _refuse_soft(laws: Array, stiffness: Array, step: float) -> None:
     """Raise InvalidModel if a contact is so soft in steps that its forces vanish.
 
-    `laws` are the links with time in seconds, `stiffness` [link] is theirs with time in
-    steps of `step`, s; below `SMALLEST_STIFFNESS` it is too small. A stiffness of 0, as
-    of a rigid contact, is none. The first such contact is told.
+    `laws` are the links with time in seconds. `stiffness` [link] is their stiffness
+    with time in steps of `step`, s; below `SMALLEST_STIFFNESS` it is too small. Links
+    without a stiffness (0), as rigid contacts, are not checked. The error tells the law
+    of the first contact that is too soft.
     """
     k = laws["stiffness"]
     p = laws["exponent"]
-    for i in np.flatnonzero((k > 0) & (stiffness < SMALLEST_STIFFNESS)):
+    is_soft = (k > 0) & (stiffness < SMALLEST_STIFFNESS)
+    for i in np.flatnonzero(is_soft):  # the first one raises
         message = (
             f"a force of {float(k[i])!r} times the indentation to the {p[i]:g} "
             f"vanishes in steps of {step:.3g} s; use a lower power"
@@ -273,14 +285,15 @@ def _refuse_soft(laws: Array, stiffness: Array, step: float) -> None:
 
 
 def _chain_ends(coupling: Array) -> Array:
-    """Last link of each chain, at its first link; NONE at the other links, [link].
+    """Last link of each chain, stored at its first link; NONE at other links, [link].
 
-    `coupling` [link] is the mobility that a link shares with the one before it: where
-    it is 0 a chain begins, as at the first of all links.
+    `coupling` [link] is the mobility that a link shares with the link before it. A
+    chain begins at each link where it is 0, as at the first of all links.
     """
-    begins = np.flatnonzero(coupling == 0)
+    begins = np.flatnonzero(coupling == 0)  # first link of each chain
     chain_end = np.full(len(coupling), NONE)
-    # A chain ends before the next one begins, the last one with the last link.
+    # A chain ends one link before the next chain begins, the last chain with the last
+    # link.
     next_begins = np.append(begins[1:], len(coupling))
     chain_end[begins] = next_begins - 1
     return chain_end
@@ -292,22 +305,25 @@ def _chain_ends(coupling: Array) -> Array:
 def boundary_values(mesh: Mesh, step: float, side: int, steps: int) -> Array:
     """Value that is prescribed at an end in each of the first `steps` steps, [step].
 
-    `side` is 0 on the left, 1 on the right; `step` in s. Of a moved end it is the
-    velocity in the frame, m/s, as a mean over a step about the end of the step. Of a
-    pushed end it is the force, N, of an endless bar the wave, m/s, both as means over
-    two steps about the middle of the step. Of a free end it is 0.
+    `side` is 0 on the left and 1 on the right; `step` is in s. At a moved end the value
+    is the velocity in the frame, m/s, averaged over one step about the end of each
+    step. At a pushed end it is the force, N, and at an endless bar the incoming wave,
+    m/s; both are averaged over two steps about the middle of each step. At a free end
+    it is 0.
     """
     kind, value = mesh.row.boundaries[side]
     if kind == "velocity":
         times = step * np.arange(1, steps + 1)
         return boundary_velocity(mesh.row, step, value, times)
-    # The kick of a step is in its middle. Waves on the grid can follow means over two
-    # steps about it: over four half steps. In time, values need no `length`.
-    edges = step / 2 * np.arange(2 * steps + 2)  # of half steps from t = 0 on
+    # The kick of a step is in its middle. The value is averaged over two steps about
+    # the kick, that is four half steps: waves on the grid can follow such a mean.
+    edges = step / 2 * np.arange(2 * steps + 2)  # edges of half steps from t = 0 on
+    # Only polynomials need the length, and forces and strains in time are none.
     after_start = averages(value, edges, length=0.0)  # [half step]
-    # Before t = 0 the value is as in the first half step.
+    # In the half step before t = 0 the value is that of the first half step.
     half_steps = np.concatenate((after_start[:1], after_start))
-    # Step i has the entries 2 i to 2 i + 3.
+    # Step i takes the entries 2 i to 2 i + 3. So each slice begins one entry later than
+    # the slice before, and takes every second entry.
     first = half_steps[:-3:2]
     second = half_steps[1:-2:2]
     third = half_steps[2:-1:2]
@@ -321,14 +337,16 @@ def boundary_values(mesh: Mesh, step: float, side: int, steps: int) -> Array:
 def boundary_velocity(row: Row, step: float, value: Any, t: Array) -> Array:
     """Velocity of a wall or a moved end at the times t in the frame, m/s [time].
 
-    `value` is the velocity in the laboratory, of which the mean over a step about each
-    time counts; about t = 0 that over the half step after it, as there is no value
-    before. The velocity of the frame, row.frame + gravity t, is subtracted. Times t, s,
-    are a step apart; without times the result is empty.
+    The velocity `value` in the laboratory is averaged over one step about each time; at
+    t = 0 over the half step after it, as no value is given before. The velocity of the
+    frame, row.frame + gravity t, is subtracted. The times t, s, are one step apart.
+    Without times the result is empty.
     """
+    # Edges of the intervals about the times: the left ones, and the last right one
     edges = np.append(t - step / 2, t[-1:] + step / 2)
-    # Polynomials in time are constant after their last border. They need a `length` in
-    # time, any one after this border and all edges; others do without.
+    # Only polynomials need a `length`: any time after all edges and after their last
+    # border, from which on they are constant.
     length = max(edges.max(initial=0.0), 2 * latest_border(value))
-    velocity = averages(value, np.maximum(edges, 0.0), length)
+    from_start = np.maximum(edges, 0.0)  # no value is given before t = 0
+    velocity = averages(value, from_start, length)
     return np.asarray(velocity - row.frame - row.system.gravity * t)

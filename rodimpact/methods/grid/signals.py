@@ -1,6 +1,6 @@
-"""The `Run` that all methods return, made of a run on a grid.
+"""The `Run` that all methods return, made from a run on a grid.
 
-It has signals, tallies and a status.
+It has signals, totals of contacts and a status.
 """
 
 import math
@@ -37,18 +37,18 @@ from .smoothness import order_of
 from .soil import shaft_bodies
 
 OVERSHOOT_TO_TELL = 1e-2
-"""Relative overshoot of the peak force from which the status tells it."""
+"""Smallest relative overshoot of the peak force that the status reports."""
 STEP_RTOL = 1e-9
-"""An impact that lasts no longer than a step, to this part of it, takes no time."""
+"""Relative round-off of a step: an impact of at most one step is instantaneous."""
 
 
 def make_run(run: GridRun, until: float | None) -> Run:
-    """Make the `Run` that all methods return of a finished run on a grid to `until`, s.
+    """Make the `Run` that all methods return from a finished run on a grid.
 
     It has the times of the proof and of the last contact (nan without a proof), totals
     of contacts, the status in sentences, the coarser runs for errors of fields, and a
-    function that makes the signals when they are asked for. `until` is None in a run to
-    its proof.
+    function that makes the signals when they are needed. `until` is the end of the run,
+    s, or None if it ran to its proof.
     """
     left = outside_of(run, side=0)
     right = outside_of(run, side=1)
@@ -70,11 +70,11 @@ def make_run(run: GridRun, until: float | None) -> Run:
         t_final = _last_contact_end(run, intervals, t_end)
         has_touched = any(tally.episodes for tally in contacts)
         proof = proof_sentence(has_touched, t_final)
-    events = run.steps * len(run.row.links)
+    events = run.steps * len(run.row.links)  # as `max_events` counts them
     end = run.steps * STEP_TICKS  # ticks
-    if until and not run.steps:  # the run ends before half a step
+    if until and not run.steps:  # `until` is less than half a step
         end = math.ceil(until / run.clock.tick)
-    # Whether jumps of waves stay steep; asked only if it is needed
+    # Whether waves jump and stay steep; needed for the coarser runs only
     is_steep = bool(run.coarser) and order_of(run.row) < 1
     coarser = []
     for share, other in run.coarser:
@@ -100,11 +100,11 @@ def make_run(run: GridRun, until: float | None) -> Run:
 def _last_contact_end(run: GridRun, intervals: list[Floats], t_end: float) -> float:
     """Time at which the last contact ended in a proved run to `t_end`, s.
 
-    It is 0 if no contact pressed, inf if one goes on pressing for ever, and nan if
-    bodies still touch and may part later, see `status.last_contact`. `intervals` are
-    the times of `GridRun.force_intervals`, s [n, 3], of each contact.
+    It is 0 if no contact had a force, inf if a contact will have a force for ever, and
+    nan if bodies still touch and may separate later, see `status.last_contact`.
+    `intervals` are the times of `GridRun.force_intervals`, s [n, 3], of each contact.
     """
-    # End of the last force of each contact that pressed, and the opening after it
+    # End of the last force of each contact that had one, and the opening after it
     ends = []
     for contact_times in intervals:
         if len(contact_times):
@@ -118,10 +118,10 @@ def _last_contact_end(run: GridRun, intervals: list[Floats], t_end: float) -> fl
 
 
 def _status(run: GridRun, proof: str, t_end: float, events: int) -> str:
-    """Sentences on why the run ended at `t_end`, s, its mesh, and how accurate it is.
+    """Sentences on why the run ended at `t_end`, s, on its mesh and its accuracy.
 
-    `proof` is the sentence of its proof of finality, "" without one, `events` the
-    number of steps times links. Warnings of soil and of large strains follow.
+    `proof` is the sentence of its proof of finality, "" without a proof; `events` is
+    the number of steps times links. Warnings of soil and of large strains follow.
     """
     cap = f"{events} steps times ends"
     end = format_si(t_end, "s")
@@ -143,9 +143,9 @@ def _status(run: GridRun, proof: str, t_end: float, events: int) -> str:
 def _overshoot_sentence(run: GridRun) -> str:
     """Warning of a peak force that depends on the mesh; "" if it does not.
 
-    It does where flat ends of damped rods or of rods with lateral inertia meet, and
-    where waves overshoot by more than `OVERSHOOT_TO_TELL` and `run.rtol`. The sentence
-    begins with a space.
+    The peak force depends on the mesh if flat ends of damped rods or of rods with
+    lateral inertia meet, or if waves overshoot by more than the larger one of
+    `OVERSHOOT_TO_TELL` and `run.rtol`. The sentence begins with a space.
     """
     reason = ""
     if run.peak_error == math.inf:
@@ -161,12 +161,12 @@ def _overshoot_sentence(run: GridRun) -> str:
 
 
 def _accuracy_sentence(run: GridRun) -> str:
-    """Stated errors of the outcome, and the remedy where they are too large.
+    """Stated errors of the outcome, and a remedy if they are too large.
 
-    Errors that are not known (inf) are not told; "" is returned for a run without
-    estimates. The remedy is given if another error than those of peak force and
-    duration is larger than `run.rtol`, or inf: these two depend on few steps and on
-    weak forces, and may stay inaccurate. The sentences begin with a space.
+    Unknown errors (inf) are left out; a run without estimates gives "". The remedy is
+    added if an error is larger than `run.rtol` or inf. The errors of peak force and
+    duration do not count here: they depend on few steps and on weak forces, and may
+    stay large. The sentences begin with a space.
     """
     stated = []
     for name, error in run.estimates.items():
@@ -188,11 +188,11 @@ def _accuracy_sentence(run: GridRun) -> str:
 def _tally(run: GridRun, k: int, force: Floats, intervals: Floats) -> ContactTally:
     """Totals of contact k in SI units.
 
-    `force` is its mean force in each step, N, `intervals` are the times of
-    `GridRun.force_intervals`, s. A bond or joint has the largest mean as its peak
-    force, the duration 0, and nan as its first and last time, as a contact that never
-    pressed. An impact has no peak force (nan), and takes no time if it lasts a step or
-    less.
+    `force` is its mean force in each step, N; `intervals` are the times of
+    `GridRun.force_intervals`, s. The peak force of a bond or joint is its largest mean;
+    its duration is 0, and its first and last time are nan, as for a contact without a
+    force. An impact of rigid bodies has no peak force (nan), and the duration 0 if it
+    lasts at most one step.
     """
     law = run.row.system.contacts[k]
     begins, ends = run.force_spans(intervals)
@@ -204,7 +204,7 @@ def _tally(run: GridRun, k: int, force: Floats, intervals: Floats) -> ContactTal
     if is_impact:
         peak = math.nan
         is_instant = ends - begins <= run.step * (1 + STEP_RTOL)
-        ends = np.where(is_instant, begins, ends)  # such an impact ends as it begins
+        ends = np.where(is_instant, begins, ends)  # the duration becomes 0
     first = math.nan
     last = math.nan
     if len(begins):
@@ -225,10 +225,11 @@ def _signals(
 ) -> Signals:
     """Signals of contacts, ends, masses and soil, and the motion.
 
-    Forces, closings and soil are means over steps; gaps and velocities of masses are
-    straight lines between the ends of steps. The motion has the states that were kept,
-    with the forces between pieces. `forces`, N [contact][step], and `intervals`, s, are
-    those of the contacts; `outside` is what acts on the left and right end.
+    Forces, closing velocities, and forces and powers of soil are means over steps; gaps
+    and velocities of masses are straight lines between the ends of steps. The motion
+    has the states that were kept, with the forces on pieces. `forces`,
+    N [contact][step], and `intervals`, s, are those of the contacts; `outside` are the
+    actions on the left and right end, see `forces.outside_of`.
     """
     row = run.row
     edges = run.edges
@@ -263,12 +264,13 @@ def _signals(
 def _pushes_on_nodes(
     run: GridRun, forces: list[Floats], outside: Any
 ) -> dict[int, Floats]:
-    """Mean forces to the right from outside a piece in each step, N [step], by node.
+    """Forces on nodes from outside their piece, to the right, N [step], by node.
 
-    They are those of contacts and joints on the nodes at both sides, and of `outside`,
-    what acts on the left and right end of the row; None is a free end. Nodes without
-    such a force are left out. `forces`, N [contact][step], are those of all contacts;
-    those of bonds do not count, as a bond lies inside a piece.
+    An entry is the mean over a step. They are the forces of contacts and joints on
+    their left and right nodes, and the pushes of `outside` on both ends of the row;
+    None is a free end. Nodes without such a force are left out. `forces`,
+    N [contact][step], are those of all contacts. Forces in bonds are ignored, as a bond
+    is inside a piece.
     """
     mesh = run.mesh
     pushes: dict[int, Floats] = {}

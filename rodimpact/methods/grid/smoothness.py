@@ -1,8 +1,7 @@
-"""Whether waves jump: a mesh finds a jump more slowly than what is smooth.
+"""Whether waves jump: with jumps, errors fall more slowly as the mesh is refined.
 
-Waves jump where flat ends meet, where something that is given jumps, and at t = 0 where
-two bodies that are joined move with different velocities or press with different
-forces.
+Waves jump where flat ends meet, where a given profile or drive jumps, and at t = 0
+where two joined bodies have different velocities or different forces.
 """
 
 from itertools import pairwise
@@ -24,8 +23,10 @@ from ...model import (
 from ...model.profiles import extremes, jumps_inside
 from ..row import Row
 
+JUMP_ORDER = 0.5
+"""Power of the step with which errors fall if waves jump and stay steep."""
 SMALL_JUMP_RTOL = 1e-6
-"""A jump of less, relative to the scale of velocities, is none."""
+"""Jumps smaller than this, relative to the scale of velocities, are ignored."""
 
 
 class Face(NamedTuple):
@@ -38,32 +39,34 @@ class Face(NamedTuple):
 def order_of(row: Row) -> float:
     """Power of the step with which errors fall at least.
 
-    It is 1/2 where waves jump and stay steep, else 1. Jumps become smooth where all
+    It is `JUMP_ORDER` if waves jump and stay steep, else 1. Jumps become smooth if all
     segments are viscous.
     """
     if all(float(segment.material.viscosity) > 0 for segment in row.segments):
         return 1.0
     if waves_jump(row):
-        return 0.5
+        return JUMP_ORDER
     return 1.0
 
 
 def waves_jump(row: Row) -> bool:
-    """Whether any wave may jump, from t = 0 on or later on.
+    """Whether any wave may jump, at t = 0 or later.
 
-    A wave may jump if velocity or strain of a body is given by steps or by polynomials,
-    if what is given at an end jumps in time, if the force of a contact jumps as it
-    closes, as between flat ends, or if neighbours do not fit at t = 0.
+    A wave may jump if the velocity or strain of a body is given by steps or by
+    polynomials, if the value given at an end jumps in time, if the force of a contact
+    jumps as it closes (as between flat ends), or if velocities or forces of neighbours
+    differ at t = 0.
     """
     system = row.system
     for body in system.bodies:
         for name in ("velocity", "strain"):
             profile = getattr(body, name, 0.0)  # 0 where a body has none
-            # Polynomials along a rod are a state of an earlier run, which may jump.
+            # Polynomials along a rod come from the state of an earlier run, which may
+            # have jumps.
             if isinstance(profile, Steps | Polynomials):
                 return True
     for end in system.ends:
-        if jumps_inside(getattr(end, "value", 0.0)):  # in time
+        if jumps_inside(getattr(end, "value", 0.0)):  # in time; 0 for an end without
             return True
     for law in system.contacts:
         if law.opens and not law.begins_from_zero:  # its force jumps as it closes
@@ -72,12 +75,12 @@ def waves_jump(row: Row) -> bool:
 
 
 def _jumps_between_bodies(row: Row) -> bool:
-    """Whether waves jump at t = 0 between two neighbours.
+    """Whether waves jump at t = 0 between two neighbouring bodies.
 
-    They do where bonded bodies differ in velocity or in force, and where the force of a
-    face is not that of the joint or contact there, which is 0 without overlap. A
-    contact with an overlap always makes a jump, as it presses at once. A rigid body
-    takes any force.
+    They do if bonded bodies differ in velocity or force, or if the force in a face
+    differs from the force of the joint or contact there. The force of a contact without
+    overlap is 0; a contact with an overlap always makes a jump, as it presses at once.
+    A rigid body takes any force, so it never differs in force.
     """
     system = row.system
     for k, (left_body, right_body) in enumerate(pairwise(system.bodies)):
@@ -87,13 +90,13 @@ def _jumps_between_bodies(row: Row) -> bool:
         if isinstance(law, Bonded):
             if _differ(row, left.velocity, right.velocity):
                 return True
-            # None is a rigid body on the left. `_forces_differ` asks for one on the
-            # right.
+            # The force is None in a rigid body on the left; `_forces_differ` checks for
+            # a rigid body on the right.
             if left.force is not None and _forces_differ(row, right, left.force):
                 return True
         elif isinstance(law, Joint):
             rate = right.velocity - left.velocity
-            # Its tension, as forces of faces are tensions
+            # Tension in the joint, N: forces of faces are tensions, too.
             force = float(law.stiffness * law.stretch + law.damping * rate)
             if _forces_differ(row, left, force) or _forces_differ(row, right, force):
                 return True
@@ -107,27 +110,31 @@ def _jumps_between_bodies(row: Row) -> bool:
 
 
 def _jumps_at_ends(row: Row) -> bool:
-    """Whether what is outside an end of the row differs at t = 0 from the body there.
+    """Whether the condition at an end of the row differs at t = 0 from the body there.
 
-    It may move or press differently. A free end has no force, a fixed one no velocity,
-    a moved or pushed one what is given first; a wave that comes in must begin with 0.
-    Any other end, as an absorbing one without a wave, never differs.
+    A free end demands the force 0, a fixed end the velocity 0, a moved or pushed end
+    the first given velocity or force. An incoming wave jumps if it does not begin with
+    0. Any other end, as an absorbing one without a wave, never differs.
     """
     bodies = row.system.bodies
     left = _face(bodies[0], 0)
     right = _face(bodies[-1], -1)
-    for face, end in zip((left, right), row.system.ends, strict=True):
+    faces = (left, right)  # of the outer bodies, at the ends of the row
+    for face, end in zip(faces, row.system.ends, strict=True):
         if isinstance(end, Free):
             differs = _forces_differ(row, face, 0.0)
         elif isinstance(end, Fixed):
             differs = _differ(row, face.velocity, 0.0)
         elif isinstance(end, Moved):
-            differs = _differ(row, face.velocity, _value(end.value, 0))
+            first_velocity = _value(end.value, 0)
+            differs = _differ(row, face.velocity, first_velocity)
         elif isinstance(end, Pushed):
-            # A push is a pressure, and the force of a face a tension.
-            differs = _forces_differ(row, face, -_value(end.value, 0))
+            # A push > 0 compresses, and the force of a face is a tension.
+            first_push = _value(end.value, 0)
+            differs = _forces_differ(row, face, -first_push)
         elif isinstance(end, Incoming):
-            differs = _value(end.value, 0) != 0
+            first_strain = _value(end.value, 0)
+            differs = first_strain != 0
         else:
             differs = False
         if differs:
@@ -136,9 +143,10 @@ def _jumps_at_ends(row: Row) -> bool:
 
 
 def _jumps_at_steps(row: Row) -> bool:
-    """Whether a rod of several segments is strained at t = 0.
+    """Whether a rod of several segments has a strain at t = 0.
 
-    Its stiffness jumps between segments, so that the force of a strain does.
+    The stiffness jumps between segments, and so does the force of a strain. Rods of one
+    segment are not checked.
     """
     for body in row.system.bodies:
         if not isinstance(body, Rod) or len(body.segments) == 1:
@@ -152,7 +160,7 @@ def _jumps_at_steps(row: Row) -> bool:
 def _face(body: Any, index: int) -> Face:
     """State of the left (`index` 0) or right (-1) end of a body at t = 0.
 
-    The force E A strain is None for a rigid body or a wall.
+    The force is E A strain; it is None for a rigid body or a wall.
     """
     velocity = _value(body.velocity, index)
     if not isinstance(body, Rod):
@@ -165,28 +173,34 @@ def _face(body: Any, index: int) -> Face:
 
 
 def _value(profile: Any, index: int) -> float:
-    """First (`index` 0) or last (-1) value of samples or polynomials, or a number."""
+    """First (`index` 0) or last (-1) value of samples or polynomials.
+
+    A number is returned as it is.
+    """
     if isinstance(profile, Samples | Polynomials):
         return float(profile.values[index])
     return float(profile)
 
 
 def _differ(row: Row, left: float, right: float) -> bool:
-    """Whether two velocities, m/s, differ by more than round-off."""
+    """Whether two velocities, m/s, differ by more than a negligible jump.
+
+    That is `SMALL_JUMP_RTOL` times the scale of velocities of the row.
+    """
     return abs(left - right) > SMALL_JUMP_RTOL * float(row.scale)
 
 
 def _forces_differ(row: Row, face: Face, force: float) -> bool:
-    """Whether a force, N, differs from that in a face by more than round-off.
+    """Whether a force, N, differs from the force in a face by more than a small jump.
 
-    Both are tensions. False at a rigid body, which takes any force. Round-off is a
-    small part of the force that the largest impedance of the row makes of the scale of
-    velocities.
+    Both are tensions. The result is False for a rigid body, which takes any force. The
+    negligible jump is `SMALL_JUMP_RTOL` times the largest impedance of the row times
+    its scale of velocities. A row on a grid has at least one segment.
     """
     if face.force is None:
         return False
-    impedances = []  # kg/s
+    impedances = []  # of the segments, kg/s
     for segment in row.segments:
         impedances.append(float(segment.mass / segment.transit_time))
-    round_off = SMALL_JUMP_RTOL * max(impedances) * float(row.scale)
-    return abs(face.force - force) > round_off
+    negligible = SMALL_JUMP_RTOL * max(impedances) * float(row.scale)
+    return abs(face.force - force) > negligible

@@ -14,10 +14,10 @@ from .records import filled
 
 
 def shaft_bodies(row: Row) -> list[int]:
-    """Numbers of the bodies of a row on which soil or drag acts along their shafts.
+    """Indices of the bodies of a row that have soil or drag along their shafts.
 
-    They are those of `system.bodies`, from left to right. A shaft's place in this list
-    is its number in the records of soil.
+    They are indices into `system.bodies`, from left to right. The index of a shaft in
+    this list is the `shaft` in the records of soil.
     """
     bodies = []
     for i, body in enumerate(row.system.bodies):
@@ -29,11 +29,11 @@ def shaft_bodies(row: Row) -> list[int]:
 def soil_of(mesh: Mesh, step: float) -> Array:
     """Soil and drag of all rods at t = 0 as `records.SOIL`, from left to right.
 
-    There is a record for each node that soil or drag holds; where two rods are bonded,
-    one for either. Without any the array is empty. Stiffnesses are for time in steps of
-    `step`, s.
+    There is a record for each node with soil or drag, and two for a node that two such
+    rods share. Without soil and drag the array is empty. Stiffnesses are those for time
+    in steps of `step`, s.
     """
-    parts = [filled(records.SOIL, 0)]  # empty, as np.concatenate needs one
+    parts = [filled(records.SOIL, 0)]  # empty, as np.concatenate needs one array
     for shaft_index, body in enumerate(shaft_bodies(mesh.row)):
         if isinstance(mesh.row.system.bodies[body].shaft, Drag):
             parts.append(_drag_of_rod(mesh, shaft_index, body))
@@ -45,25 +45,27 @@ def soil_of(mesh: Mesh, step: float) -> Array:
 def _soil_of_rod(mesh: Mesh, step: float, shaft_index: int, body: int) -> Array:
     """Soil of one rod at t = 0 as `records.SOIL`, [node in soil].
 
-    A node has the ultimate resistance of the halves of the cells beside it, and the
-    part of it that is mobilised, with its sign; nodes without ultimate resistance have
-    no record. The damping by Smith's law is that of the mobilised part, else that of
-    the ultimate one. `shaft_index` is the place of the rod among the `shaft_bodies`.
+    The ultimate resistance of a node is the sum over the half cells beside it; its
+    resistance is the mobilised part of that, with its sign. Nodes without ultimate
+    resistance have no record. The damping is proportional to the mobilised resistance
+    by Smith's law, else to the ultimate resistance. `shaft_index` is the index of the
+    rod in `shaft_bodies`.
     """
     rod = mesh.row.system.bodies[body]
     soil = rod.shaft
     edges = _edges_of_half_cells(mesh, body)
     length = float(rod.length)
     nodes = _nodes_of_half_cells(mesh, body)
-    half_cell_ultimate = resistances(soil, edges, length)  # N
-    mobilised = mobilised_shares(soil, edges, length)  # -1 to 1
-    # Sums over the half cells of each node of the rod
-    at_nodes = np.bincount(nodes, half_cell_ultimate)
-    mobilised_at_nodes = np.bincount(nodes, half_cell_ultimate * mobilised)
-    in_soil = np.flatnonzero(at_nodes)  # nodes, counted from the left end of the rod
-    ultimate = at_nodes[in_soil]
-    # Round-off may leave a resistance beyond the ultimate one.
-    resistance = np.clip(mobilised_at_nodes[in_soil], -ultimate, ultimate)
+    half_cell_ultimate = resistances(soil, edges, length)  # N [half cell]
+    mobilised = mobilised_shares(soil, edges, length)  # -1 to 1 [half cell]
+    # Sums over the half cells of each node of the rod, N
+    node_ultimate = np.bincount(nodes, half_cell_ultimate)
+    node_mobilised = np.bincount(nodes, half_cell_ultimate * mobilised)
+    # Nodes in soil, counted from the left end of the rod
+    in_soil = np.flatnonzero(node_ultimate)
+    ultimate = node_ultimate[in_soil]
+    # Round-off may make a resistance larger than the ultimate one.
+    resistance = np.clip(node_mobilised[in_soil], -ultimate, ultimate)
     damping_factor = np.full(len(in_soil), float(soil.damping))
     is_smith = soil.law == SMITH
     if is_smith:
@@ -83,36 +85,37 @@ def _soil_of_rod(mesh: Mesh, step: float, shaft_index: int, body: int) -> Array:
 def _drag_of_rod(mesh: Mesh, shaft_index: int, body: int) -> Array:
     """Drag of one rod as `records.SOIL`, [node with drag].
 
-    Each node has that of the halves of the cells beside it, as a damping, N s/m,
-    without resistance; nodes without drag have no record. `shaft_index` is the place of
-    the rod among the `shaft_bodies`.
+    The damping of a node, N s/m, is the sum of the drag coefficients of the half cells
+    beside it. There is no resistance. Nodes without drag have no record. `shaft_index`
+    is the index of the rod in `shaft_bodies`.
     """
     rod = mesh.row.system.bodies[body]
     edges = _edges_of_half_cells(mesh, body)
     nodes = _nodes_of_half_cells(mesh, body)
-    # Drag coefficients of half cells, N s/m, added up for each node
-    damping = np.bincount(nodes, coefficients(rod.shaft, edges, float(rod.length)))
-    dragged = np.flatnonzero(damping)  # nodes, counted from the left end of the rod
-    drag_records = _records_at(mesh, body, shaft_index, dragged)
-    drag_records["damping"] = damping[dragged]
+    half_cell_damping = coefficients(rod.shaft, edges, float(rod.length))  # N s/m
+    damping = np.bincount(nodes, half_cell_damping)  # sums for each node
+    # Nodes with drag, counted from the left end of the rod
+    with_drag = np.flatnonzero(damping)
+    drag_records = _records_at(mesh, body, shaft_index, with_drag)
+    drag_records["damping"] = damping[with_drag]
     return drag_records
 
 
-def _records_at(mesh: Mesh, body: int, shaft_index: int, places: Array) -> Array:
-    """Blank records `records.SOIL` of `places`, nodes of a rod, [place].
+def _records_at(mesh: Mesh, body: int, shaft_index: int, nodes: Array) -> Array:
+    """Records `records.SOIL` for some nodes of a rod, without numbers of soil, [node].
 
-    Places are counted from the left end of the rod. The records have the node in the
-    mesh, `shaft_index`, and -1 or 1 where the node is the left or right end of the rod;
-    all else is 0.
+    `nodes` are counted from the left end of the rod. The fields `node` (in the mesh),
+    `shaft` and `end_of_rod` are set, which is -1 at the left and 1 at the right end of
+    the rod; all other fields are 0.
     """
-    last_place = _nodes_of_half_cells(mesh, body)[-1]
-    is_first_node = np.where(places == 0, 1, 0)
-    is_last_node = np.where(places == last_place, 1, 0)
+    last_node = _nodes_of_half_cells(mesh, body)[-1]
+    is_first_node = np.where(nodes == 0, 1, 0)
+    is_last_node = np.where(nodes == last_node, 1, 0)
     first_segment, _ = mesh.row.spans[body]
     blank_records: Array = filled(
         records.SOIL,
-        len(places),
-        node=mesh.first[first_segment] + places,
+        len(nodes),
+        node=mesh.first[first_segment] + nodes,
         shaft=shaft_index,
         end_of_rod=is_last_node - is_first_node,
     )
@@ -120,18 +123,22 @@ def _records_at(mesh: Mesh, body: int, shaft_index: int, places: Array) -> Array
 
 
 def _nodes_of_half_cells(mesh: Mesh, body: int) -> Array:
-    """Node of each half cell of a rod, counted from its left end, [half cell]."""
-    first, last = mesh.row.spans[body]
+    """Node of each half cell of a rod, counted from its left end, [half cell].
+
+    `body` is the index of the rod in the system.
+    """
+    first, last = mesh.row.spans[body]  # segments count from 1
     return nodes_of_half_cells(sum(mesh.counts[first - 1 : last]))
 
 
 def _edges_of_half_cells(mesh: Mesh, body: int) -> Array:
     """Edges of the half cells of a rod, m from its left end, [half cell + 1].
 
-    Edges between segments are there once.
+    `body` is the index of the rod in the system. An edge between two segments is listed
+    once.
     """
     edges = [np.zeros(1)]  # the left end of the rod
-    left = 0.0  # left end of the segment
+    left = 0.0  # left end of the segment, m from the left end of the rod
     start, stop = mesh.row.spans[body]
     for s in range(start, stop + 1):
         length = float(mesh.row.segments[s - 1].length)  # segments count from 1
@@ -145,8 +152,8 @@ def _edges_of_half_cells(mesh: Mesh, body: int) -> Array:
 def soil_stiffnesses(row: Row) -> list[float]:
     """Largest stiffness of the soil along the rod of each segment, N/m^2 [segment].
 
-    All segments of a rod have that of the whole rod. It is 0 without soil, and for
-    drag.
+    All segments of a rod have the largest value of the whole rod. It is 0 for rods
+    without soil, also for rods with drag.
     """
     stiffnesses = [0.0] * len(row.segments)
     for body in shaft_bodies(row):
@@ -163,8 +170,8 @@ def soil_stiffnesses(row: Row) -> list[float]:
 def ground_velocities(mesh: Mesh, step: float) -> dict[str, Any]:
     """Velocity of the ground in the frame at t = 0, and its change in a step, m/s.
 
-    They are fields of `records.Run`, by name. The ground rests, the frame moves and
-    falls.
+    They are returned by the names of the fields of `records.Run`. The ground is at
+    rest; the frame has the velocity row.frame + gravity t, hence the minus signs.
     """
     row = mesh.row
     return {

@@ -1,7 +1,7 @@
 """The state of motion at t = 0 on a grid.
 
-Velocities are known at t = 0, forces of cells half a step before and after. So the
-first kick by the forces at t = 0 decides how far cells have come half a step before.
+Velocities are known at t = 0, forces of cells half a step before and after it. So the
+forces half a step before t = 0 depend on the change of velocity by the forces at t = 0.
 """
 
 from typing import Any
@@ -19,15 +19,16 @@ from .mesh import Mesh, half_cell_edges, nodes_of_half_cells, quotient
 from .records import LINK, Grid
 
 LITTLE_RETARDATION = 1 / 64
-"""Retardation time eta/E, in steps, that halves the slowing of touching ends."""
+"""Retardation time eta/E, in steps, at which `slow_down` takes half of its effect."""
 
 
 def begin(mesh: Mesh, step: float, grid: Grid) -> Array:
-    """Store the state at t = 0 in a grid: velocities then, forces half a step before.
+    """Store the initial state in a grid.
 
-    Displacements of pieces, radial strains, the resistance of soil, waves from endless
-    bars and contacts that are closed are set too. Lengths of the grid are in m/s, as it
-    counts time in steps, see `records`; `step` is in s.
+    Velocities are those at t = 0, forces of cells those half a step before. Also set
+    are displacements of pieces, radial strains, the resistance of soil, the waves from
+    endless bars, and which contacts are closed. The grid counts time in steps, so its
+    lengths are in m/s, see `records`; `step` is in s.
 
     Returns
     -------
@@ -45,58 +46,63 @@ def begin(mesh: Mesh, step: float, grid: Grid) -> Array:
     tension = mesh.stiffness * elongation + cells.coupling * radial
     kick = _first_kick(mesh, step, grid, tension)
     # In the half step after t = 0 nodes move with the velocity v + kick, see
-    # `_first_kick`. The tension is T + k (v + kick)/2 then, by differences of
-    # neighbours. As the first drift adds k v, it is T + k (kick - v)/2 half a step
-    # before t = 0.
+    # `_first_kick`. So the tension T at t = 0 becomes T + k (v + kick)/2 half a step
+    # later, where v and kick stand for differences of neighbouring nodes. The first
+    # drift adds k v. Therefore the tension begins with T + k (kick - v)/2.
     stretching = np.diff(kick - v, prepend=0.0, append=0.0)
     grid.force[:] = tension + grid.stiffness * stretching / 2
     _begin_soil(grid, kick)
-    # The first drift adds v/2: pieces have moved by (v + kick)/2 then.
+    # Half a step after t = 0 a piece has moved by (v + kick)/2, of which the first
+    # drift adds v/2.
     grid.pieces["displacement"] = kick[mesh.starts] / 2
     grid.ends["background_wave"] = _background_waves(mesh, grid, tension)
-    # Contacts whose gaps vanish before the first kick, half a step after t = 0, are
+    # Contacts whose gaps vanish before the first kick, half a step after t = 0, begin
     # closed.
     links = grid.links
     closing = v[links["left_node"]] - v[links["right_node"]]
-    is_closed = links["gap"] <= closing / 2
+    is_closed = links["gap"] <= closing / 2  # the way in half a step
     links["is_closed"][is_closed] = 1
     return kick
 
 
 def _begin_soil(grid: Grid, kick: Array) -> None:
-    """Move the static resistance of soil from t = 0 to half a step before.
+    """Move the static resistance of soil from t = 0 to half a step before t = 0.
 
-    The tension of cells is there, too. `resistance` of the soil is changed in place;
-    `kick` are the changes of velocity by half a kick at t = 0, m/s [node].
+    The tension of cells is known at that time, too. `resistance` of the soil is changed
+    in place. `kick` are the changes of velocity by half a kick at t = 0, m/s [node].
+    The resistance is not limited here: the first step limits it.
     """
     soil = grid.soil
-    # Velocity against the ground at t = 0, and its change by half a kick. The ground
-    # gains `ground_acceleration`, m/s, in a step, and half of it in half a kick.
+    # Velocity v against the ground at t = 0, and its change by half a kick. The ground
+    # gains `ground_acceleration`, m/s, in a step, and half of it in half a step.
     v = grid.velocity[soil["node"]] - grid.run["ground_velocity"]
     change = kick[soil["node"]] - grid.run["ground_acceleration"] / 2
-    # As with the tension of cells, the resistance is R + k (v + change)/2 half a step
-    # after t = 0, and a step adds k v: before t = 0 it is R + k (change - v)/2.
+    # As for the tension of cells: half a step after t = 0 the resistance R has become
+    # R + k (v + change)/2. The first step adds k v, with v in m/s and time in steps.
+    # Therefore the resistance begins with R + k (change - v)/2.
     soil["resistance"] += soil["stiffness"] * (change - v) / 2
 
 
 def _background_waves(mesh: Mesh, grid: Grid, tension: Array) -> Array:
     """Waves that come from semi-infinite bars in the state at t = 0, m/s [end].
 
-    They are v - F/Z on the left and v + F/Z on the right, F the tension. v and F are
-    extrapolated to the end from means over the outer half cell (v) and over the outer
-    cell (F). At an end without a bar the value is v, and means nothing.
+    With the tension F the wave is v - F/Z on the left and v + F/Z on the right. v and F
+    are extrapolated to the end from the two outer nodes and the two outer cells. At an
+    end without a bar the value is v; it is not used.
     """
     v = grid.velocity
     nodes = np.array(mesh.ends)
     cells = np.array(mesh.end_cells)
-    # INWARD is 1 at the left end and -1 at the right one: it leads to the next node or
-    # cell, and is the sign of F/Z, too.
-    # F is that in the middle of a cell: half a cell from the end, and one further on.
+    # INWARD is 1 at the left end and -1 at the right end: added to an index it gives
+    # the next node or cell, and it is also the sign of F/Z.
+    # The tension of a cell is that in its middle, 1/2 cell from the end, that of the
+    # next cell 1 cell further inside: half of their difference leads to the end.
     outer = tension[cells]
     inner = tension[cells + INWARD]
     tension_at_end = outer - (inner - outer) / 2
-    # v of the outer node is that a quarter of a cell from the end, v of the next node
-    # that three quarters further on: a third of their difference leads to the end.
+    # The velocity of a node is the mean over its half cells. The outer node has a
+    # single one, with its middle 1/4 cell from the end; the next node is at 1 cell. A
+    # third of their difference, over 3/4 cell, leads to the end.
     velocity_at_end = v[nodes] - (v[nodes + INWARD] - v[nodes]) / 3
     from_tension = INWARD * quotient(tension_at_end, grid.ends["impedance"])
     return np.asarray(velocity_at_end - from_tension)
@@ -108,9 +114,9 @@ def _initial_motion(mesh: Mesh) -> tuple[Array, Array]:
     Returns
     -------
     array
-        Velocity in the frame, m/s [node]: the mean of those of the half cells beside
-        the node, and of its rigid mass, by their masses. It is 0 at a node without
-        mass, as of a wall.
+        Velocity in the frame, m/s [node]: the mean over the half cells beside the node
+        and its rigid mass, weighted by mass. It is 0 at a node without mass, as that of
+        a wall.
     array
         Elongation of each cell by the mean strain in it, m [cell].
     """
@@ -118,18 +124,18 @@ def _initial_motion(mesh: Mesh) -> tuple[Array, Array]:
     momentum = np.zeros(len(mesh.mass))  # kg m/s [node]
     elongation = np.zeros(len(mesh.cell_mass))
     for body, (start, stop) in zip(row.system.bodies, row.spans, strict=True):
-        left = 0.0  # left end of the segment, m from that of the rod
-        for s in range(start, stop + 1):  # none of a wall or a mass
+        left = 0.0  # left end of the segment, m from the left end of the rod
+        for s in range(start, stop + 1):  # a wall or a mass has no segments
             # Segments count from 1. Cell i is on the left of node i.
             nodes = slice(mesh.first[s], mesh.last[s] + 1)
             cells = slice(mesh.first[s] + 1, mesh.last[s] + 1)
             L = float(row.segments[s - 1].length)
             N = mesh.counts[s - 1]
             half_edges = half_cell_edges(left, L, N)
-            # Momenta of half cells are added up for each node.
             velocities = averages(body.velocity, half_edges, float(body.length))
-            masses = np.repeat(mesh.cell_mass[cells] / 2, 2)
+            masses = np.repeat(mesh.cell_mass[cells] / 2, 2)  # two half cells a cell
             momenta = masses * velocities  # [half cell]
+            # The momenta of half cells are added up for each node.
             momentum[nodes] += np.bincount(nodes_of_half_cells(N), momenta)
             edges = half_edges[::2]  # of whole cells
             strains = averages(body.strain, edges, float(body.length))
@@ -144,13 +150,14 @@ def _initial_motion(mesh: Mesh) -> tuple[Array, Array]:
 def _changes_by_driven_ends(mesh: Mesh, step: float, grid: Grid) -> Array:
     """Changes of velocity, m/s [node], by driven ends whose velocity jumps at t = 0.
 
-    An end jumps to its given velocity from that in `grid`, which is not changed.
-    Lateral inertia takes neighbours of the end along: the equations are (M + J) dv = 0
-    with the jump prescribed at the end. Without driven ends all changes are 0.
+    The velocity of a driven end jumps from its value in `grid` to the given value;
+    `grid` is not changed. Lateral inertia drags neighbouring nodes along: the equations
+    are (M + J) dv = 0 with dv prescribed at the end. Without driven ends all changes
+    are 0.
     """
-    # Forces on nodes, 0; at prescribed nodes the equation is dv = right side.
+    # No forces act; at a prescribed node the equation is dv = right side.
     right_side = np.zeros(len(mesh.mass))
-    at_start = np.zeros(1)  # the time t = 0
+    at_start = np.zeros(1)  # the only time, t = 0
     for node, (kind, value) in zip(mesh.ends, mesh.row.boundaries, strict=True):
         if kind == "velocity":
             (velocity,) = scheme.boundary_velocity(mesh.row, step, value, at_start)
@@ -163,37 +170,38 @@ def _changes_by_driven_ends(mesh: Mesh, step: float, grid: Grid) -> Array:
 
 
 def _first_kick(mesh: Mesh, step: float, grid: Grid, tension: Array) -> Array:
-    """Changes of velocity, m/s [node], that half a kick by the forces at t = 0 makes.
+    """Changes of velocity, m/s [node], by half a kick of the forces at t = 0.
 
-    The forces are `tension` [cell], N, those of soil, of what is given at the ends and
-    of links that press. In the middle of the first step the nodes are where these
-    changed velocities bring them: a force that begins at t = 0 lies between two kicks,
-    and would otherwise leave a motion that changes its sign from node to node. Nothing
-    is changed.
+    The forces are `tension` [cell], N, those of soil, those prescribed at the ends, and
+    those of links. The positions in the middle of the first step follow from the
+    changed velocities. Without this change a force that begins at t = 0, between two
+    kicks, would leave a motion that changes its sign from node to node. No argument is
+    changed.
     """
     force = np.diff(tension)  # N [node], to the right
     soil = grid.soil
-    # Mean velocity of the ground over the first step: half of what it gains counts.
+    # Mean velocity of the ground over the first step, in which it gains
+    # `ground_acceleration`
     ground = grid.run["ground_velocity"] + grid.run["ground_acceleration"] / 2
     v = grid.velocity[soil["node"]] - ground
-    # The damping is that of this step already, also that by Smith.
+    # The damping is that of the first step, also by Smith's law.
     np.subtract.at(force, soil["node"], soil["resistance"] + soil["damping"] * v)
     _add_forces_at_ends(mesh, step, grid, force)
     _add_link_forces(grid, force)
     factors = scheme.Factors(grid.lower, grid.inverse_diagonal, grid.upper)
-    # In the frame that falls, what is held gains velocity as the ground does, here half
-    # of that of a step.
-    held = grid.run["ground_acceleration"] / 2
-    right_side = np.where(mesh.is_prescribed == 1, held, force / 2)
+    # In the falling frame a held node gains velocity as the ground does, in half a kick
+    # half of the gain in a step.
+    gain_of_held = grid.run["ground_acceleration"] / 2
+    right_side = np.where(mesh.is_prescribed == 1, gain_of_held, force / 2)
     return scheme.velocity_changes(factors, right_side)
 
 
 def _add_forces_at_ends(mesh: Mesh, step: float, grid: Grid, force: Array) -> None:
-    """Enter what is given at both ends in the first step in `force`, N [node].
+    """Enter the prescribed forces at both ends in the first step in `force`, N [node].
 
-    The force on a pushed end is added to that on its node. That of an endless bar, by
-    the given wave, takes its place: the background wave holds the state at t = 0, and
-    the given wave alone changes it.
+    At a pushed end the given force is added to the force on its node. At an endless bar
+    the force of the given wave replaces the force on the node: the background wave
+    keeps the state at t = 0 in balance, so that only the given wave changes it.
     """
     for side, (kind, _) in enumerate(mesh.row.boundaries):
         node = mesh.ends[side]
@@ -201,22 +209,24 @@ def _add_forces_at_ends(mesh: Mesh, step: float, grid: Grid, force: Array) -> No
             (push,) = scheme.boundary_values(mesh, step, side, steps=1)
             force[node] += INWARD[side] * push
         elif kind == "absorbing":
-            # At both ends a positive velocity of the wave pushes to the right.
+            # At either end a wave of positive velocity pushes to the right: no INWARD.
             (wave,) = scheme.boundary_values(mesh, step, side, steps=1)
             force[node] = grid.ends["impedance"][side] * wave
 
 
 def _add_link_forces(grid: Grid, force: Array) -> None:
-    """Enter the forces of links at t = 0 in `force` on the nodes, N [node].
+    """Enter the forces of links at t = 0 in `force`, N [node].
 
-    A joint pulls by its stretch, a compliant contact with an overlap pushes. Where the
-    forces press the faces of a rigid contact without a gap together, both become 0: the
-    contact takes them for the first half kick, and the first step solves for its force.
+    A joint pulls by its stretch, and a compliant contact with an overlap pushes. If the
+    forces on the two nodes of a rigid contact without a gap press them together, both
+    become 0: the contact carries them in the first half kick, and its own force follows
+    from the first step.
     """
     for link in grid.links:
         left = link["left_node"]
         right = link["right_node"]
         touches = link["law"] == Law.RIGID and link["gap"] == 0
+        # Forces are positive to the right: these press the nodes together.
         if touches and force[left] > force[right]:
             force[left] = 0.0
             force[right] = 0.0
@@ -231,15 +241,16 @@ def _add_link_forces(grid: Grid, force: Array) -> None:
 
 
 def _initial_push(grid: Grid, link: Any) -> float:
-    """Mean force over the first step of a compliant contact that begins pressed, N.
+    """Mean force over the first step of a compliant contact with an initial overlap, N.
 
-    It is that on the way from its overlap, -gap of the link, by the closing velocity at
-    t = 0: time is counted in steps, so this velocity is the change of the overlap.
+    It is the mean force while the overlap changes from -gap of the link by the closing
+    velocity at t = 0: time is counted in steps, so the change in a step is this
+    velocity.
     """
     v = grid.velocity
     closing = v[link["left_node"]] - v[link["right_node"]]
     (as_object,) = as_objects(np.array([link], LINK))  # `mean_force` reads attributes
-    overlap = -as_object.gap  # m/s
+    overlap = -as_object.gap  # m/s, as time is counted in steps
     push, _ = mean_force(as_object, overlap, overlap + float(closing))
     return float(push)
 
@@ -247,98 +258,102 @@ def _initial_push(grid: Grid, link: Any) -> float:
 def slow_down(mesh: Mesh, step: float, grid: Grid, kick: Array) -> None:
     """Slow down damped ends of rigid contacts that close before the first kick.
 
-    An end that closes inside a step is stopped over two steps, so that the mean force
-    is right from then on. Where ends touch at t = 0, the first of the two steps would
-    lie before: its push is made up for here. It takes the velocity `_late_overlaps`
-    from that at which the ends close. Velocities, displacements of pieces, lost energy
-    of cells, and `initial_force` and `initial_loss` of these links are changed. `kick`
-    are the changes of velocity by half a kick of the forces at t = 0, m/s [node].
+    The ends of a rigid contact that closes inside a step are stopped over two steps, so
+    that the mean force is right from then on. If the ends touch at t = 0, the first of
+    these two steps would lie before t = 0. The push in that step is made up for here:
+    it reduces the closing velocity of the ends by `_late_overlaps`. Velocities,
+    displacements of pieces, lost energy of cells, and `initial_force` and
+    `initial_loss` of these links are changed. `kick` are the changes of velocity by
+    half a kick of the forces at t = 0, m/s [node].
 
-    Without viscosity `_late_overlaps` are 0, and nothing is done: such ends begin to
-    slow down half a step late, which does no harm. A sharp front comes back to the
-    contact just at a kick and opens it in the same way. Then the ends get back the
-    energy that they lost as they closed.
+    Without viscosity all `_late_overlaps` are 0, and nothing is changed. Such ends
+    begin to slow down half a step late, which is harmless: a sharp front returns to the
+    contact just at a kick and opens it equally late, and the ends regain the energy
+    that they lost as they closed.
     """
     v = grid.velocity
     links = grid.links
     left = links["left_node"]
     right = links["right_node"]
-    # m/s: lengths are divided by the step
-    late_overlap = _late_overlaps(mesh, step, grid, kick)
+    late_overlap = _late_overlaps(mesh, step, grid, kick)  # m/s, time in steps [link]
     is_late = late_overlap > 0
     if not is_late.any():
         return
-    # The pushes are blows at t = 0, in which damping of soil takes no part.
+    # The pushes are instantaneous, so damping of soil has no effect on them: `diagonal`
+    # is without soil.
     factors = scheme.factorise(mesh, grid.diagonal, grid.off_diagonal)
     responses = scheme.responses_to_pushes(mesh, factors)
-    # Closing velocity that a unit push takes away, m/s per N [link]
+    # Decrease of the closing velocity by a unit push, (m/s)/N [link]
     mobility = responses.by_last[left] + responses.by_first[right]
     for i in np.flatnonzero(is_late):
         link = links[i]
         v_before = v.copy()
-        push = late_overlap[i] / mobility[i]  # takes the overlap from the closing
+        push = late_overlap[i] / mobility[i]  # N
+        # Nodes of both pieces whose velocity the push changes
         on_left = slice(link["leftmost_node"], link["left_node"] + 1)
         on_right = slice(link["right_node"], link["rightmost_node"] + 1)
         v[on_left] -= responses.by_last[on_left] * push
         v[on_right] += responses.by_first[on_right] * push
         dv = v - v_before
-        # As by a kick: the first drift adds half of the new velocity.
+        # The push stands for a kick half a step before t = 0, since when dv has moved
+        # the pieces by dv/2.
         grid.pieces["displacement"] += dv[mesh.starts] / 2
-        # Gain of kinetic energy: m v dv with the mean velocity v, and the same of
-        # lateral inertia with rates of elongation
+        # Gain of kinetic energy, J: m v dv with the mean velocity v, and the same for
+        # lateral inertia with rates of elongation in place of velocities
         mean = (v + v_before) / 2
         stretching = _stretching(mean)
         dv_stretching = _stretching(dv)
         by_mass = mesh.mass @ (mean * dv)
         by_lateral_inertia = mesh.lateral_inertia @ (stretching * dv_stretching)
-        kinetic_gain = by_mass + by_lateral_inertia  # J
-        # Energies of the grid are divided by the step, as time is counted in steps.
-        # Strain energy: the tensions work on half a step of dv.
+        kinetic_gain = by_mass + by_lateral_inertia
+        # Gain of strain energy: work of the tensions on the elongation dv/2. The grid
+        # divides energies by the step, as it counts time in steps.
         gain = kinetic_gain / step + grid.force @ dv_stretching / 2
         heat = grid.viscous * stretching**2  # [cell]
         grid.lost[:] += heat
         link["initial_force"] = push
-        # The bodies lose -gain. What is not heat in the cells is lost in the link.
+        # The bodies lose the energy -gain. The part of it that is not heat in the cells
+        # is lost in the link.
         link["initial_loss"] = -gain - heat.sum()
 
 
 def _late_overlaps(mesh: Mesh, step: float, grid: Grid, kick: Array) -> Array:
     """Overlaps at the first kick that a push before t = 0 would have avoided [link].
 
-    Lengths are in m/s, as time is counted in steps. The overlap is half of the velocity
-    at which the ends close, less half of that at which the forces at t = 0 part them,
-    less the gap. It counts for closed rigid links whose ends close at more than twice
-    the velocity at which they are parted; with little viscosity beside the link only a
-    share of it does. For all other links, and without viscosity, it is 0. `kick` is
-    that of `slow_down`.
+    They are in m/s, as time is counted in steps. The overlap is
+    (closing - parting)/2 - gap: the ends approach with the velocity `closing`, and half
+    a kick of the forces at t = 0 reduces it by `parting`. It counts for closed rigid
+    links whose `closing` is more than twice `parting`. With little viscosity beside the
+    link only a fraction of it is returned. For all other links, and without viscosity,
+    the result is 0. `kick` is that of `slow_down`.
     """
     v = grid.velocity
     links = grid.links
     left = links["left_node"]
     right = links["right_node"]
     closing = v[left] - v[right]
-    # Velocity at which the forces at t = 0 part the ends
+    # Velocity that the forces at t = 0 take from it in half a kick
     parting = kick[right] - kick[left]
-    # Overlap at the first kick, half a step after t = 0
+    # Overlap at the first kick, half a step after t = 0, hence the factor 1/2
     overlap = (closing - parting) / 2 - links["gap"]
     is_late = (links["law"] == Law.RIGID) & (links["is_closed"] == 1)
     is_late &= links["self_mobility"] > 0  # one of the ends can move
     is_late &= overlap > grid.run["velocity_tolerance"]
     is_late &= closing > 2 * parting
     cell_retardation = quotient(mesh.viscous, mesh.stiffness)  # eta/E, s [cell]
-    # The larger one of the cells on both sides of each link; cell i is on the left of
-    # node i.
+    # The larger value of the two cells beside each link. Cell i is on the left of node
+    # i, so that on the right of the link has the index right + 1.
     retardation = cell_retardation[[left, right + 1]].max(axis=0)
-    # Part of the slowing down that is done: 0 without viscosity, 1 with much of it
+    # 0 without viscosity, nearly 1 with much viscosity
     share = retardation / (retardation + LITTLE_RETARDATION * step)
     return np.where(is_late, share * overlap, 0.0)
 
 
 def _stretching(v: Array) -> Array:
-    """Rates of elongation of the cells, m/s [cell], by velocities of the nodes.
+    """Rates of elongation of the cells, m/s [cell], from velocities of the nodes.
 
-    Cells beyond the ends, which stand for nothing, have 0.
+    The first and the last cell, beyond the ends of the row, have the rate 0.
     """
-    stretching = np.diff(v, prepend=0.0, append=0.0)
+    stretching = np.diff(v, prepend=0.0, append=0.0)  # one cell more than nodes
     stretching[[0, -1]] = 0.0
     return np.asarray(stretching)
