@@ -1,6 +1,6 @@
 """Measures of a force whose means over time steps are known.
 
-Gaps are known at the ends of the steps. The measures are the largest force, the begin
+Gaps are known at the ends of the steps. The measures are the largest force, the start
 and end of forces, contact intervals and openings. Times are counted in steps. Arrays of
 forces, N, have one entry for each step; arrays of gaps, m, have one entry more.
 """
@@ -15,7 +15,7 @@ from ..signals import Floats
 from ..states import Status
 
 MAX_CLOSING_STEPS = 2.0
-"""A gap closes at most so many steps after the begin of the first step with force."""
+"""A gap closes at most so many steps after the start of the first step with force."""
 NEGLIGIBLE_FORCE_RATIO = 1e-6
 """A first mean force smaller than this fraction of the next one is round-off."""
 JUMP_RATIO = 0.3
@@ -29,7 +29,7 @@ FLAT_RTOL = 1e-9
 class _Parabola(NamedTuple):
     """The curve value + slope t + curve t^2, N, with t in steps.
 
-    t is 0 at the begin of the first of the three steps that define it.
+    t is 0 at the start of the first of the three steps that define it.
     """
 
     value: float
@@ -104,7 +104,7 @@ def _one_sided_parabola(
 def _parabola(first: float, second: float, third: float) -> _Parabola:
     """Parabola with these means over three successive steps, in N.
 
-    t is 0 at the begin of the first of these steps.
+    t is 0 at the start of the first of these steps.
     """
     # The mean over step n is value + slope (n + 1/2) + curve (n^2 + n + 1/3).
     curve = (first - 2 * second + third) / 2
@@ -129,7 +129,7 @@ def _vertex_between(parabola: _Parabola, begin: float, end: float) -> float | No
 
 
 def contact_intervals(force: Floats, gap: Floats, open_gap: float) -> Floats:
-    """Begin and end of each force, and the opening after it, in steps [n, 3].
+    """Start and end of each force, and the opening after it, in steps [n, 3].
 
     A force is a sequence of steps with means > 0. `force` [step] has the means, N, and
     `gap` [step + 1] the gaps at t = 0 and at the ends of steps, m. There is an opening
@@ -163,7 +163,7 @@ def contact_intervals(force: Floats, gap: Floats, open_gap: float) -> Floats:
 def episodes_from_intervals(intervals: Floats) -> tuple[Episode, ...]:
     """Episodes of touching: each lasts from its first force until a gap opens.
 
-    A row of `intervals` [n, 3] has the begin and the end of a force and the opening
+    A row of `intervals` [n, 3] has the start and the end of a force and the opening
     after it; a time that is not reached is nan. The episodes have the same unit of
     time. Forces without an opening between them belong to one episode.
     """
@@ -171,7 +171,7 @@ def episodes_from_intervals(intervals: Floats) -> tuple[Episode, ...]:
     statuses = np.broadcast_to(
         [Status.PRESS, Status.GRAZE, Status.OPEN], intervals.shape
     )
-    is_reached = ~np.isnan(intervals)
+    is_reached = ~np.isnan(intervals)  # selects row by row, in the order of time
     # A tick of 1 keeps the unit of time.
     return episodes_of(intervals[is_reached], statuses[is_reached], tick=1.0)
 
@@ -179,16 +179,16 @@ def episodes_from_intervals(intervals: Floats) -> tuple[Episode, ...]:
 def begin_of_force(force: Floats, gap: Floats, i: int) -> float:
     """Time at which a force begins whose first step with a mean > 0 is i, in steps.
 
-    The gap at the begin of step i is extrapolated at the rate of the step before: the
+    The gap at the start of step i is extrapolated at the rate of the step before: the
     force begins when it becomes 0. If the gap is not open then, or does not close
     within `MAX_CLOSING_STEPS`, the force begins with step i. If the force in step i is
     only round-off of that in the next step, it begins with the next step.
     """
     if i + 1 < len(force) and force[i] <= NEGLIGIBLE_FORCE_RATIO * force[i + 1]:
-        return i + 1.0  # begin of the next step
+        return i + 1.0  # start of the next step
     before = max(i - 1, 0)  # the step before, or the first step
     fall_per_step = gap[before] - gap[before + 1]
-    # gap[i] is at the begin of step i.
+    # gap[i] is at the start of step i.
     if 0 < gap[i] < MAX_CLOSING_STEPS * fall_per_step:
         return i + float(gap[i] / fall_per_step)
     return float(i)
@@ -197,14 +197,14 @@ def begin_of_force(force: Floats, gap: Floats, i: int) -> float:
 def end_of_force(force: Floats, gap: Floats, i: int, j: int) -> float:
     """Time at which a force ends that acts in the steps i to j - 1, in steps.
 
-    It depends on the gaps at the begin and at the end of the last step, j - 1:
+    It depends on the gaps at the start and at the end of the last step, j - 1:
 
     - An overlap, then a gap: the force of a compliant contact ends when the overlap
       becomes 0, see `_closing_share`.
     - An overlap at both: the contact has a dashpot, see `_end_of_dashpot`.
-    - No overlap at the begin: the contact is rigid, see `_end_of_rigid_contact`.
+    - No overlap at the start: the contact is rigid, see `_end_of_rigid_contact`.
     """
-    begin = j - 1  # begin of the last step with force, a time and its index in `gap`
+    begin = j - 1  # start of the last step with force, a time and its index in `gap`
     gap_at_begin = float(gap[begin])
     gap_at_end = float(gap[j])
     if gap_at_begin < 0 < gap_at_end:  # the overlap ends inside the step
@@ -218,7 +218,7 @@ def _end_of_dashpot(force: Floats, i: int, j: int) -> float:
     """Time at which the force of a dashpot ends that acts in the steps i to j - 1.
 
     The time is in steps. In the last step, j - 1, the force falls linearly to 0 from
-    its value at the begin of this step, which is extrapolated from the means of the two
+    its value at the start of this step, which is extrapolated from the means of the two
     steps before. If the force acts in fewer than three steps, it ends with the last.
     """
     if j - i < 3:
@@ -241,7 +241,7 @@ def _end_of_rigid_contact(force: Floats, i: int, j: int) -> float:
     line through the last two means reaches 0, at most half a step after step j - 1.
     Otherwise the force drops to 0 inside this step, after the fraction `share_of_jump`.
     """
-    begin = j - 1  # begin of the last step
+    begin = j - 1  # start of the last step
     if j - i >= 3:
         third_last, second_last, last = force[begin - 2 : j].tolist()
         fall = third_last - second_last
@@ -257,7 +257,7 @@ def _end_of_rigid_contact(force: Floats, i: int, j: int) -> float:
 
 
 def _closing_share(gap: Floats, i: int, j: int) -> float:
-    """Fraction of step j - 1 after which the overlap at its begin has become 0.
+    """Fraction of step j - 1 after which the overlap at its start has become 0.
 
     The overlap must end in this step: gap[j - 1] < 0 < gap[j]. The force began in step
     i. If it has acted in three steps or more, the gap is the parabola through the last

@@ -157,7 +157,8 @@ class GridMotion(NamedTuple):
         cell_inertia = self.cells.lateral_inertia[inside] - k * step**2 / 4
         twice_kinetic = mass @ (v * v) + cell_inertia @ (stretch_rate * stretch_rate)
         kinetic = float(twice_kinetic) / 2
-        k_or_inf = np.where(k > 0, k, np.inf)  # cells without stiffness have no energy
+        # Cells without stiffness, between pieces, have no strain energy.
+        k_or_inf = np.where(k > 0, k, np.inf)
         strained = float(np.sum(self.force[state, inside] ** 2 / k_or_inf)) / 2
         if not self.radial.size:  # no cell has a radial strain
             return kinetic, strained
@@ -169,18 +170,18 @@ class GridMotion(NamedTuple):
         all_q = self.radial[state] * step  # stored as 1/s times steps
         all_rates = self.radial_rate[state]
         # Differences of the two cells beside each node: cell i is on the left of node i
-        q_step = np.diff(all_q)[nodes]
-        rate_step = np.diff(all_rates)[nodes]
+        q_change = np.diff(all_q)[nodes]
+        rate_change = np.diff(all_rates)[nodes]
         q = all_q[inside]
         rate = all_rates[inside]
         # Shear stiffness s at the nodes. At the first and the last node, which may be
         # shared with another rod, only half of it counts.
         shear = self.shear_stiffness[nodes] / 2
         shear[1:-1] *= 2
-        twice_radial_strained = (G - b * b / k_or_inf) @ q**2 + shear @ q_step**2
+        twice_radial_strained = (G - b * b / k_or_inf) @ q**2 + shear @ q_change**2
         # v K v without k stretch_rate^2, which is part of `cell_inertia`
         mixed = 2 * (b * stretch_rate) @ rate
-        v_K_v = mixed + G @ rate**2 + shear @ rate_step**2
+        v_K_v = mixed + G @ rate**2 + shear @ rate_change**2
         twice_radial_kinetic = J @ rate**2 - step * step / 4 * v_K_v
         kinetic += float(twice_radial_kinetic) / 2
         strained += float(twice_radial_strained) / 2
@@ -303,9 +304,11 @@ class Mesh:
             recorded_links.add(outer_links[side])
         node = 0  # last node so far; the first piece begins at the left end of the row
         parts = [NO_CELL]  # cells so far: cell 0 is on the left of node 0
-        # Link i stands between a neighbour of kind `before` and one of kind `after`:
-        # "outside", "mass" or "segment". `s` is the number of a segment.
-        for i, ((before, _), (after, s)) in enumerate(row.neighbours):
+        # Each neighbour of link i is a pair of its kind, "outside", "mass" or
+        # "segment", and its number.
+        for i, (left, right) in enumerate(row.neighbours):
+            left_kind, _ = left
+            right_kind, s = right  # `s` is used for segments only
             law = row.links[i].law
             if law >= Law.JOINT:  # a joint or a contact: a piece ends
                 node += 1
@@ -314,14 +317,14 @@ class Mesh:
             elif law == Law.BOND and i in recorded_links:
                 # The bond is at a node of a rod; the cell of this rod beside it is
                 # recorded, the cell of the left rod if both are rods.
-                if before == "segment":
+                if left_kind == "segment":
                     cell = node
                 else:
                     cell = node + 1
                 self.bonds[i] = node, cell
-            if after == "mass":
+            if right_kind == "mass":
                 self.node_of_mass.append(node)
-            elif after == "segment":
+            elif right_kind == "segment":
                 count = self.counts[s - 1]  # segments count from 1
                 cells = _cells(row.segments[s - 1], count)
                 _refuse_stiff(row.paths[s], cells)
@@ -505,7 +508,8 @@ def stable_step(segment: Any, count: int, soil_stiffness: float = 0.0) -> float:
     # omega^2 of the axial and of the radial motion without coupling
     axial = 4 * cells.stiffness / m
     radial = (cells.radial_stiffness + 4 * cells.shear_stiffness) / J
-    # The equation is quadratic in omega^2; this is the root of its discriminant.
+    # The equation is quadratic in omega^2. This is the root of its discriminant,
+    # (axial - radial)^2 + 16 b^2/(m J).
     root = np.hypot(axial - radial, 4 * cells.coupling / np.sqrt(m * J))
     omega_squared = (axial + radial + root) / 2  # the larger solution [cell]
     return 2 / math.sqrt(float(omega_squared.max()) + by_soil)
@@ -594,7 +598,8 @@ def lasting_mode(segments: Sequence[Segment]) -> tuple[float, float]:
     # Mode 0, the rigid-body motion, is left out.
     squares, modes = eigh(K[unknowns], M[unknowns], subset_by_index=[1, MODES])
     axial = modes[:n]  # displacements of nodes [node, mode]; only these are damped
-    # x D x/2 of each mode, as `eigh` scales modes to x M x = 1
+    # x D x/2 of each mode, as `eigh` scales modes to x M x = 1; i and j are nodes, m is
+    # the mode
     rates = np.einsum("im,ij,jm->m", axial, _chain(cells.viscous), axial) / 2
     slowest = int(np.argmin(rates))
     omega = float(np.sqrt(squares[slowest]))

@@ -142,7 +142,7 @@ def run_grid(
         max_factor = MAX_REFINED_CELLS // max(counts)
         run = _run_refined(run_level, order_of(row), goal, max_factor)
     else:
-        run = run_level(1)
+        run = run_level(factor=1)
     if run.stopped_by == "final":  # the run ends a round trip after the proof
         run.advance(run.steps + run.round_trip)
     return run
@@ -233,7 +233,7 @@ def _advance_until_proved(
     stays -1. `report_of` is called with the steps taken.
     """
     transit = run.round_trip // 2  # steps in which waves cross the longest rod
-    report_of(0)
+    report_of(0)  # no step is taken yet
     while run.proved < 0:
         # Steps after which a proof can succeed: 0 if it succeeds now
         wait = finality_time(run) / run.step
@@ -315,7 +315,7 @@ def _least_wasteful(transits: Array, until: float | None) -> int:
     longest = float(transits.max())
     for_shortest = math.ceil(MIN_CELLS * longest / transits.min())
     least = max(MIN_LONGEST_CELLS, for_shortest)
-    if until:
+    if until:  # neither None nor 0
         # A step is about the longest transit over its number of cells. A quarter leaves
         # room for refinements by 2, 3 and 4.
         for_short_run = min(MAX_REFINED_CELLS / 4, MIN_CELLS * longest / until)

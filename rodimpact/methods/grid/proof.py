@@ -78,7 +78,7 @@ def present_motion(run: GridRun) -> tuple[GridMotion, Array]:
     The motion has a single state, the last one that was kept: its arrays are [1, node]
     and [1, cell]. A run always keeps its state at the end of `advance`.
     """
-    motion = run.motion(slice(-1, None))
+    motion = run.motion(slice(-1, None))  # a slice keeps the axis of states
     elongation = motion.stretches(run.step)[0]
     return motion, elongation
 
@@ -212,7 +212,8 @@ def group_at_contact(
     mass = m.sum()
     if Z > 0:
         # This momentum will still move the far end by momentum/Z in its direction, at
-        # either end of the row: by so much the end is behind its final motion.
+        # either end of the row. Now the end is behind its final motion by this
+        # distance.
         momentum = float(m @ (v - mean))
         deviation -= momentum / Z
         compliance_integral = 2 * (compliance_integral + mass / (Z * Z))

@@ -129,7 +129,7 @@ def error_of(levels: Sequence[Level], name: str, order: float) -> float:
         change = float(np.abs(coarser.measures[name] - values).max(initial=0.0))
         errors.append(change / ((coarser.step / h) ** order - 1))
     error: float = SAFETY_FACTOR * max(errors)
-    if not error < math.inf:  # nan where a measure overflows
+    if not error < math.inf:  # it is also nan if a measure overflows
         return math.inf
     if name == DURATION:
         least = 0.0  # smallest error of a duration, s
@@ -199,12 +199,13 @@ def measures_of(run: GridRun) -> dict[str, Array]:
             peaks.append(float(force.max(initial=0.0)))
     # Changes from run to run are divided by the largest entry. If all impulses are
     # round-off, this entry keeps their changes from counting as errors.
-    round_off = round_off_of(run) * float(run.mesh.mass.sum())  # N s
+    round_off = round_off_of(run) * float(run.mesh.mass.sum())  # of impulses, N s
     if impulses:
         measures[IMPULSE] = np.array([*impulses, round_off])
     if peaks:
-        transit = run.clock.longest_rod * run.clock.tick
-        measures[PEAK_FORCE] = np.array([*peaks, round_off / transit])
+        transit = run.clock.longest_rod * run.clock.tick  # of the longest rod, s
+        force_round_off = round_off / transit  # N
+        measures[PEAK_FORCE] = np.array([*peaks, force_round_off])
     if durations:
         measures[DURATION] = np.array(durations)
     return measures

@@ -322,11 +322,11 @@ class GridRun:
         first = self.steps
         # Kernels take flat arrays; these share the memory of the window.
         flat_window = StepHistory(*(array.reshape(-1) for array in window))
-        records = [*self.grid, *flat_window]  # arrays
+        arrays = [*self.grid, *flat_window]
         self.grid.run["first_step"] = first
         self.grid.run["kept_states"] = 0
         # Estimated time in plain Python, s: the steps, and copying to lists and back
-        numbers = sum(array.nbytes for array in records) // 8
+        numbers = sum(array.nbytes for array in arrays) // 8
         plain_seconds = (end - first) * step_time(self.mesh, plain=True)
         plain_seconds += numbers * kernels.LIST_TIME
         is_compiled = kernels.worth_compiling(plain_seconds, grid_kernel.run_steps)
@@ -350,7 +350,7 @@ class GridRun:
         if not is_compiled:
             # The lists are in the same order as the arrays.
             lists = [*grid, *history]
-            for array, objects in zip(records, lists, strict=True):
+            for array, objects in zip(arrays, lists, strict=True):
                 array[:] = record_lists.as_records(objects, array.dtype)
         if not is_solved:
             # The kernel has counted the steps taken before the error.
@@ -423,7 +423,7 @@ class GridRun:
         return force, np.append(first_gap, gap)
 
     def force_intervals(self, contact: int) -> Array:
-        """Begin and end of each force of a contact, and the opening after it, s [n, 3].
+        """Start and end of each force of a contact, and the opening after it, s [n, 3].
 
         A time that is not reached is nan, see `contact_intervals`. A joint or bond
         cannot open, and has none, [0, 3]. A gap counts as open if it is more than

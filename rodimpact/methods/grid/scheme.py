@@ -270,8 +270,8 @@ def _refuse_soft(laws: Array, stiffness: Array, step: float) -> None:
 
     `laws` are the links with time in seconds. `stiffness` [link] is their stiffness
     with time in steps of `step`, s; below `SMALLEST_STIFFNESS` it is too small. Links
-    without a stiffness (0), as rigid contacts, are not checked. The error tells the law
-    of the first contact that is too soft.
+    without a stiffness (0), as rigid contacts, are not checked. The error states the
+    law of the first contact that is too soft.
     """
     k = laws["stiffness"]
     p = laws["exponent"]
@@ -318,7 +318,7 @@ def boundary_values(mesh: Mesh, step: float, side: int, steps: int) -> Array:
     # The kick of a step is in its middle. The value is averaged over two steps about
     # the kick, that is four half steps: waves on the grid can follow such a mean.
     edges = step / 2 * np.arange(2 * steps + 2)  # edges of half steps from t = 0 on
-    # Only polynomials need the length, and forces and strains in time are none.
+    # Only polynomials need the length; forces and strains in time are never these.
     after_start = averages(value, edges, length=0.0)  # [half step]
     # In the half step before t = 0 the value is that of the first half step.
     half_steps = np.concatenate((after_start[:1], after_start))

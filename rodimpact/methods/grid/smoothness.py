@@ -85,8 +85,8 @@ def _jumps_between_bodies(row: Row) -> bool:
     system = row.system
     for k, (left_body, right_body) in enumerate(pairwise(system.bodies)):
         law = system.contacts[k]
-        left = _face(left_body, -1)  # the right end of the left body
-        right = _face(right_body, 0)
+        left = _face(left_body, index=-1)  # the right end of the left body
+        right = _face(right_body, index=0)  # the left end of the right body
         if isinstance(law, Bonded):
             if _differ(row, left.velocity, right.velocity):
                 return True
@@ -104,7 +104,8 @@ def _jumps_between_bodies(row: Row) -> bool:
             has_overlap = float(system.gaps[k]) < 0
             if has_overlap:
                 return True
-            if _forces_differ(row, left, 0.0) or _forces_differ(row, right, 0.0):
+            is_loaded_left = _forces_differ(row, left, force=0.0)
+            if is_loaded_left or _forces_differ(row, right, force=0.0):
                 return True
     return False
 
@@ -117,23 +118,23 @@ def _jumps_at_ends(row: Row) -> bool:
     0. Any other end, as an absorbing one without a wave, never differs.
     """
     bodies = row.system.bodies
-    left = _face(bodies[0], 0)
-    right = _face(bodies[-1], -1)
+    left = _face(bodies[0], index=0)
+    right = _face(bodies[-1], index=-1)
     faces = (left, right)  # of the outer bodies, at the ends of the row
     for face, end in zip(faces, row.system.ends, strict=True):
         if isinstance(end, Free):
-            differs = _forces_differ(row, face, 0.0)
+            differs = _forces_differ(row, face, force=0.0)
         elif isinstance(end, Fixed):
             differs = _differ(row, face.velocity, 0.0)
         elif isinstance(end, Moved):
-            first_velocity = _value(end.value, 0)
+            first_velocity = _value(end.value, index=0)
             differs = _differ(row, face.velocity, first_velocity)
         elif isinstance(end, Pushed):
             # A push > 0 compresses, and the force of a face is a tension.
-            first_push = _value(end.value, 0)
+            first_push = _value(end.value, index=0)
             differs = _forces_differ(row, face, -first_push)
         elif isinstance(end, Incoming):
-            first_strain = _value(end.value, 0)
+            first_strain = _value(end.value, index=0)
             differs = first_strain != 0
         else:
             differs = False
@@ -164,7 +165,7 @@ def _face(body: Any, index: int) -> Face:
     """
     velocity = _value(body.velocity, index)
     if not isinstance(body, Rod):
-        return Face(velocity, None)
+        return Face(velocity, force=None)
     segment = body.segments[index]
     modulus = float(segment.material.youngs_modulus)
     # E A strain

@@ -295,8 +295,8 @@ def slow_down(mesh: Mesh, step: float, grid: Grid, kick: Array) -> None:
         v[on_left] -= responses.by_last[on_left] * push
         v[on_right] += responses.by_first[on_right] * push
         dv = v - v_before
-        # The push stands for a kick half a step before t = 0, since when dv has moved
-        # the pieces by dv/2.
+        # The push replaces a kick half a step before t = 0. Until t = 0 the change dv
+        # moves the pieces by dv/2.
         grid.pieces["displacement"] += dv[mesh.starts] / 2
         # Gain of kinetic energy, J: m v dv with the mean velocity v, and the same for
         # lateral inertia with rates of elongation in place of velocities
