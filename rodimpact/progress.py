@@ -148,21 +148,22 @@ class Progress:
             self._update(done, total)
 
     def _open(self, total: int | None) -> None:
-        """Make a bar, and show warnings above it from now on.
+        """Make a progress bar, and show warnings above it from now on.
 
-        Its time counts from the beginning of the call. A total of None is unknown.
+        Its time counts from the beginning of the call. A `total` of None means that the
+        total is unknown. The bar is drawn by the first update.
         """
         kind_of_bar = bar_class()
         self._bar = kind_of_bar(
             desc=self._name,
             unit=f" {self._unit}",
-            initial=self._done_before,  # which says nothing about the rate
+            initial=self._done_before,  # work done earlier: tqdm leaves it out of rates
             total=total,
             file=sys.stderr,
             leave=False,
             mininterval=REDRAWN_AFTER,
-            miniters=0,  # else tqdm expects that the rate stays what it was
-            delay=1e-9,  # s: drawn by the first update, not before its times are set
+            miniters=0,  # else tqdm redraws only after as much work as before
+            delay=1e-9,  # s; any delay keeps tqdm from drawing before the times are set
             dynamic_ncols=True,
         )
         self._bar.start_t = self._began

@@ -678,12 +678,13 @@ def shown_path(path: Any) -> str:
 
 
 def one_line(text: str) -> str:
-    """A text in one line, cut to `MOST_SHOWN` characters, the last three "...".
+    """A text in one line; a long text is cut to `MOST_SHOWN` characters and ends "...".
 
     Characters that do not print are written as escapes, and white space as one blank.
+    A text with much white space may be cut shorter.
     """
     line = ""
-    beginning = text[: 2 * MOST_SHOWN]  # enough of a long text
+    beginning = text[: 2 * MOST_SHOWN]  # the rest of a very long text is not processed
     is_cut = text[2 * MOST_SHOWN :].strip() != ""
     words = beginning.split()
     for character in " ".join(words):

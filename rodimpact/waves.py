@@ -508,14 +508,14 @@ def _uniform_segment(rod: Any) -> Any:
     raise invalid_argument("bar", f"{wanted}, got {shown(rod)}")
 
 
-def _same_wavenumber(G: Any, x: Any) -> Any:  # noqa: ARG001
+def _same_wavenumber(G: Any, speed_ratio: Any) -> Any:  # noqa: ARG001
     """G of a wave that is given by G itself, whatever its speed."""
     return G
 
 
-def _wavenumber_of_frequency(W: Any, x: Any) -> Any:
-    """G = k a of a wave that is given by W = omega a/c0, x = c/c0."""
-    return W / x
+def _wavenumber_of_frequency(W: Any, speed_ratio: Any) -> Any:
+    """G = 2 pi a/l of a wave that is given by W = omega a/c0 and has c/c0."""
+    return W / speed_ratio
 
 
 def _lowest_speed_ratios(
@@ -524,12 +524,12 @@ def _lowest_speed_ratios(
     poisson_ratios: Array,
     progress: bool | ProgressFunction = True,
 ) -> Array:
-    """Lowest roots x = c/c0 of the equation of frequencies.
+    """Lowest roots c/c0 of the equation of frequencies.
 
     Parameters
     ----------
     wavenumber : function
-        Gives G of a wave from its given number and x.
+        Gives G of a wave from its given number and c/c0.
     given_numbers : array
         Numbers that describe the waves; the root of 0 is 1, as for long waves.
     poisson_ratios : array
@@ -555,12 +555,12 @@ def _lowest_speed_ratios(
 
 
 def _roots_of_block(wavenumber: WavenumberFunction, numbers: Array, nu: Array) -> Array:
-    """Lowest roots x = c/c0 of some waves, [wave], from their numbers and nu, [wave].
+    """Lowest roots c/c0 of some waves, [wave], from their numbers and nu, [wave].
 
-    `wavenumber` gives G from a number and x. The equation is computed at equal steps
-    from below the speed of surface waves to a little above 1. The first change of its
-    sign brackets the root, and Brent's method finds it. Without a change, or for the
-    number 0, the root is 1, as for long waves.
+    `wavenumber` gives G from a number and c/c0. The equation is computed at equally
+    spaced c/c0 from below the speed of surface waves to a little above 1. The first
+    change of its sign brackets the root, and Brent's method finds it. Without a change,
+    or for the number 0, the root is 1, as for long waves.
     """
     roots = np.ones(numbers.size)
     # All waves are faster than surface waves, 0.9 of whose speed is on the safe side.
@@ -581,28 +581,30 @@ def _roots_of_block(wavenumber: WavenumberFunction, numbers: Array, nu: Array) -
 
 
 def _equation_of_wave(
-    x: float, wavenumber: WavenumberFunction, number: float, nu: float
+    speed_ratio: float, wavenumber: WavenumberFunction, number: float, nu: float
 ) -> Any:
-    """Left-hand side of the equation of one wave at the speed x, for `brentq`.
+    """Left-hand side of the equation of one wave at c/c0, for `brentq`.
 
-    `number` describes the wave, and with x gives its wave number G.
+    `number` describes the wave; with c/c0 it gives the dimensionless wave number G.
     """
-    return _equation(wavenumber(number, x), x, nu)
+    return _equation(wavenumber(number, speed_ratio), speed_ratio, nu)
 
 
-def _equation(G: Any, x: Any, nu: Any) -> Any:
-    """Left-hand side of the equation of frequencies, at c = x c0.
+def _equation(G: Any, speed_ratio: Any, nu: Any) -> Any:
+    """Left-hand side of the equation of frequencies for G = 2 pi a/l and c/c0.
 
-    The equation is at the head of this module. It is divided by G^4, so that A^2
-    becomes A2 = (A/G)^2 = c^2/c1^2 - 1, and B^2 becomes B2 = c^2/c2^2 - 1. It is also
-    divided by the growth, exp(x), of the functions I(x). So only its sign and its roots
-    are those of the equation.
+    The equation is in the docstring of this module. It is divided by G^4, so that A^2
+    becomes A2 = (A/G)^2 = c^2/c1^2 - 1 and B^2 becomes B2 = c^2/c2^2 - 1. If A or B is
+    imaginary, it is also divided by exp(abs(A)) or exp(abs(B)), the growth of the
+    modified Bessel functions. So only its sign and its roots are those of the equation.
     """
-    A2 = x * x * (1 + nu) * (1 - 2 * nu) / (1 - nu) - 1
-    B2 = x * x * (2 + 2 * nu) - 1
+    x2 = speed_ratio * speed_ratio
+    A2 = x2 * (1 + nu) * (1 - 2 * nu) / (1 - nu) - 1
+    B2 = x2 * (2 + 2 * nu) - 1
+    # A and B are absolute values; the signs of A2 and B2 tell if they are imaginary.
     A = G * np.sqrt(np.abs(A2))
     B = G * np.sqrt(np.abs(B2))
-    J0A, jA = _bessel(A, A2)  # J0 and j(x) = J1(x)/x
+    J0A, jA = _bessel(A, A2)  # J0(A) and j(A) = J1(A)/A
     J0B, jB = _bessel(B, B2)
     square = (B2 - 1) * (B2 - 1)
     of_both = 2 * A2 * (B2 + 1) * jA * jB
@@ -612,17 +614,18 @@ def _equation(G: Any, x: Any, nu: Any) -> Any:
 
 
 class _Bessel(NamedTuple):
-    """Bessel functions J at x, or the modified ones I over their growth exp(x)."""
+    """Bessel functions J at x, or modified ones I at x, divided by exp(x)."""
 
     order_0: Any  # J0(x) or I0(x)
     order_1_over_x: Any  # J1(x)/x or I1(x)/x
 
 
 def _bessel(x: Any, square: Any) -> _Bessel:
-    """Bessel functions J0 and J1(x)/x at the root of a square; x is its absolute value.
+    """Bessel functions J0(x) and J1(x)/x, or modified ones if `square` is negative.
 
-    If the square is negative its root is imaginary, and the functions are the modified
-    ones, I0 and I1(x)/x, over their growth exp(x). Only the sign of `square` is used.
+    The argument of J is the root of `square`, and x its absolute value. If `square` is
+    negative the root is imaginary, and the functions are I0(x) and I1(x)/x, divided by
+    exp(x). Only the sign of `square` is used.
     """
     is_imaginary = square < 0
     is_small = x < SERIES_LIMIT

@@ -212,20 +212,22 @@ class Material(FrozenDataclass):
 
 
 def _modulus_of(problems: Problems, density: Any, wave_speed: Any) -> Any:
-    """Young's modulus rho c^2, Pa; None if density or wave speed are mistaken.
+    """Young's modulus rho c^2, Pa; None if density or wave speed is wrong.
 
-    Mistakes are added to `problems`, which must be empty. A modulus out of the range of
-    the model is returned, but is a mistake too. InvalidModel if the arguments are
-    arrays that do not broadcast.
+    Mistakes are added to `problems`, which must be empty. A modulus outside the range
+    of the model also adds a mistake, but is returned. InvalidModel is raised if the
+    arguments are arrays that do not broadcast.
     """
     rho = Material.fields["density"].checked(problems, "density", density)
     c = WAVE_SPEED.checked(problems, "wave_speed", wave_speed)
     if problems:
         return None
-    # This raises if the two make no family.
+    # This raises if the two arrays do not broadcast.
     frozen.family_shape([("density", rho), ("wave_speed", c)])
     with np.errstate(all="ignore"):  # an overflow is refused below
         modulus = rho * c * c
+    # {0!r} stands for the wave speed, {1!r} for the density: `require` fills in the
+    # values of the first member that fails.
     message = "makes no finite Young's modulus with density {1!r}, got {0!r}"
     is_sound = frozen.in_range(modulus)
     frozen.require(problems, is_sound, "wave_speed", message, c, rho)

@@ -440,8 +440,9 @@ def restored(classes: Mapping[str, Any], tag: str, data: dict[str, Any]) -> Any:
 def _parameters_from(description: dict[str, Any]) -> dict[str, Any]:
     """Parameters of the constructor of an object, from its `to_dict`.
 
-    Descriptions of profiles, materials, segments and soil become objects; all other
-    entries stay. The caller has removed the tag that names the class of the object.
+    Descriptions of profiles, materials, segments and the shaft (soil or drag) become
+    objects; all other entries are kept. The caller has removed the tag that names the
+    class of the object.
     """
     parameters = {}
     for name, value in description.items():
@@ -454,7 +455,7 @@ def _parameters_from(description: dict[str, Any]) -> dict[str, Any]:
             segments.append(Segment(**_parameters_from(segment)))
         parameters["segments"] = segments
     if "shaft" in description:
-        # The kind of the shaft, its tag, is removed by `shaft_from`.
+        # The tag of the shaft, its kind, is removed afterwards by `shaft_from`.
         parameters["shaft"] = shaft_from(_parameters_from(description["shaft"]))
     return parameters
 
@@ -526,9 +527,11 @@ def _check_any_moves(problems: Problems, bodies: Any, laws: Any) -> None:
 def _check_contact(
     problems: Problems, i: int, law: Any, gap: Number, pair: Any
 ) -> None:
-    """Add a problem of contact i, between a pair of bodies, if its law or gap is wrong.
+    """Add a problem of contact i, between a pair of bodies, if its law is wrong.
 
-    The law may be none, or may not go with the gap or the bodies.
+    The object `law` may be no contact law at all. Each law has its own check: joined
+    bodies must have the gap 0, `Rigid` must suit the two bodies, and `Plastic` must not
+    begin with too deep an overlap. The number `gap` itself is checked elsewhere.
     """
     if type(law) not in _LAWS:
         message = f"must be a contact law itself, one of {_class_names(_LAWS)}"

@@ -129,8 +129,8 @@ def _instrumented_bar(
     The records are sampled at the same times, positive in compression, and begin from a
     level of 0 at rest. The gauges come in the order in which the first pulse arrives at
     them. Records of an output bar that begin too late are preceded by more rest, see
-    `_from_arrival_at_face`. InvalidModel for wrong gauges, too little rest, or a first
-    pulse in tension.
+    `_padded_to_face_arrival`. InvalidModel for wrong gauges, too little rest, or a
+    first pulse in tension.
     """
     checked = _checked_gauges(name, gauges, rod)
     signals = [gauge.strain for gauge in checked]
@@ -163,31 +163,32 @@ def _instrumented_bar(
         dt=times.dt,
         rest_samples=rest_samples,
     )
-    return _from_arrival_at_face(bar)
+    return _padded_to_face_arrival(bar)
 
 
-def _from_arrival_at_face(bar: InstrumentedBar) -> InstrumentedBar:
-    """The output bar with records that begin before the pulse is at its face.
+def _padded_to_face_arrival(bar: InstrumentedBar) -> InstrumentedBar:
+    """The output bar with records that begin before the pulse arrives at its face.
 
     The wave in an output bar is at the face before it is at a gauge. Records that begin
-    later get more samples before them: those at rest again and again, so that level and
-    noise stay the same. `times` and `rest_samples` of the result count them. An input
-    bar, and a bar whose records begin early enough, are returned as they are.
+    after its arrival at the face are padded at the front, by `MIN_REST_SAMPLES` more
+    samples than are missing. The padding repeats the samples at rest, so that level and
+    noise stay the same; `times` and `rest_samples` include it. An input bar, and a bar
+    whose records begin early enough, are returned as they are.
     """
     if not bar.is_output:
         return bar
     longest_travel = bar.distances.max() / bar.speed
-    at_face = bar.pulse_start - longest_travel  # no later than the wave is there, s
+    # Earliest possible arrival of the wave at the face, s
+    at_face = bar.pulse_start - longest_travel
     missing_samples = math.ceil((bar.times[0] - at_face) / bar.dt)
     if missing_samples <= 0:
         return bar
-    # The records then also begin with some rest at the face.
-    count = missing_samples + MIN_REST_SAMPLES
-    earlier = bar.times[0] - bar.dt * np.arange(count, 0, -1)
+    count = missing_samples + MIN_REST_SAMPLES  # with some rest before the arrival
+    earlier = bar.times[0] - bar.dt * np.arange(count, 0, -1)  # in increasing order
     strains = []
     for strain in bar.strains:
         at_rest = strain[: bar.rest_samples]
-        added = np.resize(at_rest, count)  # repeated as often as it takes
+        added = np.resize(at_rest, count)  # repeated as often as necessary
         strains.append(np.concatenate((added, strain)))
     return bar._replace(
         strains=np.array(strains),

@@ -366,13 +366,14 @@ def _with_output_speed(output_bar: InstrumentedBar) -> _Timed:
 def _with_input_speed(input_bar: InstrumentedBar, output: _Timed) -> _Timed:
     """The input bar with its wave speed, fitted to the pulse in the output bar.
 
-    The pulse is propagated from the input gauge through the joint to the output gauge,
-    and must fit the record there. `output` is the output bar with its measured speed.
-    The error of the fitted speed has two independent parts: of the arrival, and of the
-    travel time in the output bar. InvalidModel if the record ends too early, or the
-    speed is far off.
+    The pulse is propagated from the input gauge through the joint of the bars to the
+    output gauge and compared with the record there. `output` is the output bar with its
+    measured speed. The standard error of the fitted speed has two independent parts:
+    that of the arrival and that of the travel time in the output bar. InvalidModel is
+    raised if the record ends too early, or if the speed is far from the given one.
     """
     output_bar = output.bar
+    # Distances of the first gauges from the joint, m
     input_path = float(input_bar.distances[0])
     output_path = float(output_bar.distances[0])
 
@@ -380,6 +381,7 @@ def _with_input_speed(input_bar: InstrumentedBar, output: _Timed) -> _Timed:
         """The incident pulse as it passes the output gauge."""
         return _at_output_gauge(bar, output_bar)
 
+    # The shift of the prediction corrects the travel time over `path`.
     timed = _fit_wave_speed(
         input_bar, path=input_path, recording=output_bar, predict=transmitted
     )
@@ -522,10 +524,10 @@ def _ratio(predicted: Floats, bar: InstrumentedBar) -> _Ratio:
 def _plateau_error(bar: InstrumentedBar) -> float:
     """Standard error of the level of the first pulse's plateau, divided by this level.
 
-    The plateau of a pulse rings, and each rise time is one measurement of its level.
-    The level is a median, which noise and the ends of the plateau displace: its
-    difference from the mean adds. A pulse too short for that has the noise of its
-    record as the error.
+    The plateau of a pulse oscillates, so each rise time counts as one measurement of
+    its level. The level is a median, which noise and the ends of the plateau shift: its
+    difference from the mean is added in quadrature. If the plateau has fewer than two
+    samples, the error is the noise of the record divided by the level.
     """
     pulse = bar.first_pulse
     begin = pulse.start + pulse.rise
@@ -534,11 +536,13 @@ def _plateau_error(bar: InstrumentedBar) -> float:
     plateau = bar.strains[0][is_plateau]
     if len(plateau) < 2:
         return _noise(bar) / pulse.plateau
+    # Sum of the deviations in each rise time. These sums are independent, so their
+    # squares add up.
     sums = _block_sums(plateau - plateau.mean(), bar)
-    error_of_sum = math.sqrt(float(sums @ sums))  # the blocks are independent
+    error_of_sum = math.sqrt(float(sums @ sums))
     error_of_mean = error_of_sum / len(plateau)
-    displacement = float(plateau.mean()) - pulse.plateau
-    return math.hypot(error_of_mean, displacement) / pulse.plateau
+    shift_of_median = float(plateau.mean()) - pulse.plateau
+    return math.hypot(error_of_mean, shift_of_median) / pulse.plateau
 
 
 def _block_sums(values: Floats, bar: InstrumentedBar) -> Floats:

@@ -51,9 +51,10 @@ class DirectImpactShot:
         """Forces, velocities and strain if the forces on both faces are equal.
 
         With the compressive strains of the waves at the output face, F1 = F2 = E A
-        (away + towards) and v2 = c (away - towards). The input face has v1, the speed
-        of the striker less the velocity that it has lost to the force. The curve is at
-        `times`, which begin with the impact.
+        (away + towards) and v2 = c (away - towards). The velocity v1 of the input face
+        is the speed of the striker minus the velocity that the force has taken from its
+        face, see `_lost_velocity`. The force counts as 0 before the impact. The curve
+        is at `times`, which begin with the impact.
         """
         bar = self.output
         waves = waves_at_face(bar)
@@ -76,13 +77,13 @@ class DirectImpactShot:
         return float(np.asarray(self.striker.velocity))
 
     def _lost_velocity(self, force: Floats) -> Floats:
-        """Velocity that the striker's face has lost to a force, m/s.
+        """Decrease of the velocity of the striker's face by a force, m/s.
 
-        Force and velocity are at the times of the bar, [sample]. A rigid striker has
-        lost int F dt/m, a rod with a free far end c (g + T(2 L) g). Here g is the
-        strain of the wave that leaves the face, and T(x) g this wave after the distance
-        x. The wave is that of the force and of all returned waves, g = F/(E A) +
-        T(2 L) g: a sum of passages.
+        Force and velocity are at the times of the bar, [sample]. For a rigid striker
+        the decrease is the impulse over the mass, int F dt/m. For a rod with a free far
+        end it is c (g + T(2 L) g), where g is the strain of the wave that leaves the
+        face, and T(x) g is this wave after the distance x. g contains the force and all
+        returned waves, g = F/(E A) + T(2 L) g: a sum of passages.
         """
         striker = self.striker
         if isinstance(striker, RigidMass):

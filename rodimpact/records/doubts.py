@@ -527,31 +527,32 @@ def _echo_off_time(bar: InstrumentedBar) -> Iterator[str]:
 def _speed_of_echo(bar: InstrumentedBar) -> float | None:
     """Speed of the first pulse of an output bar to the far end and back, m/s.
 
-    The pulse, propagated there and back with its sign turned, is shifted against the
-    record. None if it is not seen to come back: the record is too short, the pulse is
-    not over when it is back, or what comes back does not fit it.
+    The first pulse is propagated to the far end and back, with its sign reversed, and
+    shifted against the record. None is returned without a clear echo: if the record is
+    too short, if the pulse is not over when its echo arrives, or if the record does not
+    fit the prediction.
     """
-    # Distances are those from the specimen.
+    # Distances of gauges are those from the specimen, m.
     to_far_end = float(bar.rod.length) - float(bar.distances[0])
     path = 2 * to_far_end
-    travel = path / bar.speed
-    slack = ECHO_SEARCH_RTOL * travel
+    travel = path / bar.speed  # s
+    slack = ECHO_SEARCH_RTOL * travel  # s
     pulse = bar.first_pulse
-    # The width is that at half height: both feet take up to a rise time more.
+    # The width is that at half height: each foot may take one more rise time.
     pulse_end = pulse.start + pulse.width + 2 * pulse.rise
-    # The echo comes between these times.
-    start = pulse.start + travel - slack
-    end = pulse_end + travel + slack
-    is_separate = pulse_end <= start
-    is_recorded = end <= bar.times[-1]
+    # The echo is expected between these times.
+    echo_start = pulse.start + travel - slack
+    echo_end = pulse_end + travel + slack
+    is_separate = pulse_end <= echo_start
+    is_recorded = echo_end <= bar.times[-1]
     if not is_separate or not is_recorded:
         return None
     passing = np.where(bar.times < pulse_end, bar.strains[0], 0.0)
-    # The free end turns the sign of the strain.
+    # The free end reverses the sign of the strain.
     predicted = TimeSeries(bar.times, -bar.propagated(passing, path))
-    is_echo = (bar.times >= start) & (bar.times <= end)
+    is_echo = (bar.times >= echo_start) & (bar.times <= echo_end)
     recorded = TimeSeries(bar.times[is_echo], bar.strains[0][is_echo])
-    # The far end may return a part of the pulse: any scale above 0 will do.
+    # The far end may return only a part of the pulse: any positive scale is accepted.
     misfit = misfit_of(
         recorded, predicted, shift_range=(-slack, slack), scale_range=None
     )

@@ -94,7 +94,7 @@ def heads_of(lines: list[str], form: NumberForm, count: int) -> list[Head]:
         )
     heads = _last_heads(rows)
     if not _has_times(heads):
-        heads = _heads_further_up(rows, heads)
+        heads = _times_and_units_above(rows, heads)
     heads = _told_apart(heads, rows)
     names = [head.name for head in heads]
     for name in names:
@@ -161,13 +161,14 @@ def _last_heads(rows: list[list[str]]) -> list[Head]:
     return heads
 
 
-def _heads_further_up(rows: list[list[str]], heads: list[Head]) -> list[Head]:
-    """The lowest heads with times and a row of units right below, above other rows.
+def _times_and_units_above(rows: list[list[str]], heads: list[Head]) -> list[Head]:
+    """Heads with a column of times and a row of units below, above further rows.
 
-    Without them the result is the heads that are given. The recorder catman writes two
-    dozen lines about each channel: its name, its unit, and so on.
+    The lowest such heads are returned; without any, `heads`. The recorder catman writes
+    two dozen lines about each channel: its name, its unit, and so on.
     """
-    # Rows at the end are left out, one more each time; two or more are left.
+    # The last two of the first `count` rows may be heads and their units. The rows
+    # below them are left out, one more each time.
     for count in range(len(rows) - 1, 1, -1):
         with_units = _with_units_below(rows[:count])
         if with_units is not None and _has_times(with_units):

@@ -320,11 +320,12 @@ def _tektronix_layout(entries: Entries, is_beside: bool) -> Layout:
 def _head_line(channels: list[str], units: list[str], time_unit: str, mark: str) -> str:
     """A line of heads, with `mark` between them: the time, then the channels.
 
-    A single unit is that of all channels; a channel may have none. Columns without a
-    name, and one of comments, have no numbers and are left out.
+    Blank units at the end are dropped. If a single unit is left, it is that of all
+    channels; a channel may also have none. A column without a name, and a column of
+    comments, are left out, as they have no numbers.
     """
     while units and not units[-1]:
-        units = units[:-1]  # blank ones at the end
+        units = units[:-1]
     if len(units) == 1:
         units = units * len(channels)
     heads = [_head("time", time_unit)]

@@ -14,9 +14,9 @@ from ..units import shown
 from .text_file import Survey
 
 FIRST_ROWS = 3
-"""Rows of equally many numbers with which a table begins."""
+"""Number of first rows that must have equally many numbers."""
 _NUMBER = r"[+-]?(?:\d+(?:{0})?|{1})(?:[eE][+-]?\d+)?|(?i:[+-]?(?:nan|inf(?:inity)?))"
-"""A number with the fraction {0} behind whole digits, or {1} alone.
+"""A number with the fraction {0} after whole digits, or {1} alone.
 
 nan and inf are numbers, too.
 """
@@ -61,7 +61,7 @@ class NumberForm(NamedTuple):
         return list(map(str.strip, row))
 
     def count_numbers(self, line: str) -> int:
-        """How many numbers the line has; 0 if it has anything else, or a blank cell."""
+        """Count of numbers in a line; 0 if any cell is blank or no number."""
         cells = self.cells(line)
         if all(map(self.is_number, cells)):
             return len(cells)
@@ -72,20 +72,21 @@ class NumberForm(NamedTuple):
         return _NUMBERS[self.decimal].fullmatch(cell) is not None
 
 
-COMMAS = NumberForm(",", ".")
+COMMA_COLUMNS = NumberForm(",", ".")
+"""Commas separate the cells, and the decimal sign is a point."""
 QUOTED = NumberForm(",", ",")
-"""Commas between cells and in numbers, which have quotes around them then."""
+"""Commas separate the cells and are the decimal sign in numbers in quotes."""
 FORMS = [
     NumberForm("\t", "."),
     NumberForm("\t", ","),
     NumberForm(";", "."),
     NumberForm(";", ","),
     QUOTED,
-    COMMAS,
+    COMMA_COLUMNS,
     NumberForm("", "."),
     NumberForm("", ","),
 ]
-"""In the order in which they are tried."""
+"""All forms, in the order in which they are tried."""
 
 
 class TableStart(NamedTuple):
@@ -191,36 +192,37 @@ def _chosen(
 ) -> NumberForm:
     """One of the forms that match the first rows.
 
-    A form that finds several numbers in the line at `start` goes before one that finds
-    a single one. If whole numbers fit both decimal signs, it is a comma if one stands
-    in the table, else a point. FileFormatError if commas may part numbers, or be
-    decimal ones, and the heads do not tell.
+    A form that finds several numbers in the line at `start` is preferred to a form that
+    finds a single one. If whole numbers fit both decimal signs, a comma is chosen if
+    the table has one anywhere, else a point. FileFormatError is raised if commas may
+    separate numbers or be decimal signs and the number of commas in the last head does
+    not decide it.
     """
     line = lines[start]
-    # A line of one number is that number only if no form finds more.
+    # Forms with a single number count only if no form finds several.
     several = [form for form in matching if form.count_numbers(line) > 1]
     if not several:
         several = matching
-    # `several` is in the order of FORMS: with COMMAS first, no other delimiter but
-    # blanks fits.
-    if several[0] == COMMAS:
+    # `several` is in the order of FORMS. If COMMA_COLUMNS is the first, neither tabs
+    # nor semicolons nor quoted numbers fit.
+    if several[0] == COMMA_COLUMNS:
         last_head = ""
         for head in lines[:start]:
             if head.strip():
                 last_head = head
-        # Another form may take the line for one number, with a decimal comma. Its
-        # commas part columns if there are as many in the heads.
+        # If another form finds a single number, the comma may be its decimal sign. But
+        # commas separate columns if the last head has equally many.
         may_be_decimal = len(several) < len(matching)
-        commas = COMMAS.count_numbers(line) - 1
+        commas = COMMA_COLUMNS.count_numbers(line) - 1
         if may_be_decimal and last_head.count(",") != commas:
             raise FileFormatError(
                 f"line {start + 1}: {shown(line)} may be two numbers or a "
                 'decimal comma; give decimal="." or decimal=","'
             )
-        return COMMAS
-    # If the first rows are whole numbers, later ones show the decimal sign.
+        return COMMA_COLUMNS
+    # A comma in any line of the table, also below the first rows, is a decimal sign.
     sign = "."
-    if survey.last_comma >= start:
+    if survey.last_comma_line >= start:
         sign = ","
     for form in several:
         if form.decimal == sign:

@@ -17,7 +17,7 @@ from ..storage.reading import FileFormatError
 from ..units import shown
 from .heads import heads_of
 from .instruments import find_layout
-from .number_forms import COMMAS, find_table
+from .number_forms import COMMA_COLUMNS, find_table
 from .text_file import TextFile
 
 BLOCK_ROWS = 4096
@@ -85,7 +85,7 @@ class Table:
         self.units = [head.unit for head in heads]
         self.columns = self._read_columns(report)
         # Where commas separate cells, a point is a decimal sign.
-        if decimal is None and self._form != COMMAS:
+        if decimal is None and self._form != COMMA_COLUMNS:
             self._check_decimal()
 
     def place_of(self, row: int) -> str:

@@ -29,7 +29,7 @@ class Survey(NamedTuple):
         The first `BLOCK` characters.
     characters : int
     lines : int
-    last_comma : int
+    last_comma_line : int
         Index of the last line with a comma; -1 if there is none.
     quotes_commas : bool
         Whether a number with a decimal comma is in quotes somewhere.
@@ -39,7 +39,7 @@ class Survey(NamedTuple):
     head: str
     characters: int
     lines: int
-    last_comma: int
+    last_comma_line: int
     quotes_commas: bool
 
 
@@ -79,7 +79,7 @@ class TextFile:
         head = ""
         characters = 0
         line_ends = 0
-        last_comma = -1
+        last_comma_line = -1
         quotes_commas = False
         with self._opened(encoding) as text:
             # Blocks end with whole lines, so that no number is cut.
@@ -91,7 +91,7 @@ class TextFile:
                     head = block[:BLOCK].replace(MINUS, "-")
                 comma = block.rfind(",")  # -1 if there is none
                 if comma >= 0:
-                    last_comma = line_ends + block.count("\n", 0, comma)
+                    last_comma_line = line_ends + block.count("\n", 0, comma)
                 if '"' in block and not quotes_commas:
                     quotes_commas = QUOTED_COMMA.search(block) is not None
                 characters += len(block)
@@ -101,7 +101,7 @@ class TextFile:
             head=head,
             characters=characters,
             lines=line_ends + 1,  # the last line has no end
-            last_comma=last_comma,
+            last_comma_line=last_comma_line,
             quotes_commas=quotes_commas,
         )
 

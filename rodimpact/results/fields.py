@@ -401,16 +401,17 @@ class Fields(Protocol):
 
     @cached_property
     def positions(self) -> list[float]:
-        """Places of the left ends of all bodies at t = 0, m, by body; the first is 0.
+        """Positions of the left ends of all bodies at t = 0, m, by body.
 
-        The next left end lies behind the length and the initial elongation of a rod,
-        the gap, and the stretch of a joint. The place of a point is position + x +
-        displacement. The position of a wall is that of its face.
+        The first is 0. The distance from one left end to the next is the length of the
+        body, the initial elongation of a rod, the gap, and the stretch of a joint. A
+        point x of a body is at position + x + displacement. The position of a wall is
+        that of its face.
         """
         clock = self.clock
         system = clock.system
         positions = []
-        right_end = 0.0  # of the body before, m
+        right_end = 0.0  # right end of the body before, m
         for body in range(len(clock.spans)):
             left_end = right_end
             if body > 0:  # contact body - 1 is that on its left
@@ -421,7 +422,7 @@ class Fields(Protocol):
             if self._is_rod(body):
                 first, last = clock.spans[body]  # segments, counted from 1
                 right_end += sum(clock.length[first : last + 1])
-                # The initial strain moves the right end.
+                # The initial strain displaces the right end, the last of `edges`.
                 length = self.edges(body)[-1]
                 right_end += float(self.displacement(body, length, 0.0))
         return positions

@@ -106,11 +106,13 @@ class Gauge:
         """Mean strain rate from each time to the next, 1/s, one for each time.
 
         It is (strain just before t[i + 1] - strain just after t[i])/(t[i + 1] - t[i]),
-        so that jumps at the times are left out. The last rate is that up to `end`. An
-        entry of no duration has the rate 0.
+        so that jumps at the times are left out. The last rate is that up to `end`. If
+        the next time, or `end`, is equal to a time, the rate there is 0.
         """
         stops = np.append(self.times[1:], self.end)
         durations = stops - self.times
+        # "left" takes the strain before a jump at a tick. In `_ticks` it matters only
+        # for times so large that floats do not resolve ticks.
         ticks_before = self._ticks(stops, "left")
         strain_before = self.record.at(ticks_before, "left")
         changes = strain_before - self.strain_after
@@ -119,7 +121,11 @@ class Gauge:
         return rates
 
     def _ticks(self, t: Floats, side: Side = "right") -> Ints:
-        """Ticks nearest to times in s, just after ("right") or before jumps there."""
+        """Ticks nearest to times in s.
+
+        Where floats do not resolve ticks, they are moved to just after ("right") or
+        just before ("left") jumps at these times, see `to_side`.
+        """
         nearest = np.rint(t / self.tick).astype(np.int64)
         return to_side(nearest, side)
 

@@ -266,9 +266,10 @@ class Outcome(OnlyContact[float]):
     def to_dataframe(self) -> Any:
         """The outcome as a pandas DataFrame of one row (extra ``dataframe``).
 
-        The columns bear the names of `SweepResult.columns`, so that ``pandas.concat``
-        joins several outcomes to one table. An undefined restitution is nan, and
-        ``vibration`` is the energy of all bodies after.
+        The columns have the names of `SweepResult.columns`, so that ``pandas.concat``
+        joins several outcomes to one table. An undefined restitution is nan;
+        ``vibration`` is the vibration energy of all bodies after the collision, and
+        ``final`` tells whether it is proved that no contact can happen again.
 
         Examples
         --------

@@ -57,16 +57,18 @@ class PairTheory(NamedTuple):
         return PairTheory(*changed)
 
     def interpolated(self, members: Floats, wanted: Floats) -> PairTheory:
-        """The family at other values of the parameter of its one axis.
+        """The family at other values of the parameter of its only axis.
 
-        Each array is interpolated by logarithms, or itself if a number in it has none.
-        With the logarithms of a length, an area, a density or a modulus as `members`
-        this is exact: impedances, transit times and masses are powers of these.
+        The logarithms of each array are interpolated linearly over `members` as given.
+        An array with a number that is 0, negative or infinite is itself interpolated.
+        If the caller passes logarithms of a length, an area, a density or a modulus,
+        the result is exact: impedances, transit times and masses are powers of these.
 
         Parameters
         ----------
         members, wanted : array
-            Values of the parameter: of the members, increasing, and those wanted.
+            Values of the parameter, or their logarithms: those of the members,
+            increasing, and those at which the family is wanted.
         """
 
         def between(values: Floats) -> Floats:

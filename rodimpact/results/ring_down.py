@@ -84,36 +84,39 @@ class RingDown:
 
 
 def ring_down(fields: Fields, start: float, end: float) -> RingDown:
-    """How vibration dies out from `start` to `end`, s; see `Solution.ring_down`.
+    """How vibration decays from `start` to `end`, s; see `Solution.ring_down`.
 
-    Energies are read at `DECAY_SAMPLES` + 1 equally spaced times, or at the states of a
-    grid next to them. The decay time is fitted to them. The mode beside it is the
-    slowest one of all rods, each free by itself. The row must have a rod. InvalidModel
-    if a grid has kept fewer than `MIN_DECAY_SAMPLES` of at least so many steps.
+    Energies are taken at `DECAY_SAMPLES` + 1 equally spaced times, or at the states of
+    a grid nearest to them. The decay time is fitted to them. It is compared with the
+    mode that decays most slowly among those of all rods, each free by itself. The row
+    must have a rod. InvalidModel is raised if a grid has kept fewer than
+    `MIN_DECAY_SAMPLES` states of more steps than that.
     """
     even_times = np.linspace(start, end, DECAY_SAMPLES + 1)
     known_ticks = fields.nearest_energy_ticks(fields.to_ticks(even_times))
     ticks = np.unique(known_ticks)  # several times may have the same nearest state
-    # Few states are a mistake only where the grid had more steps than it kept: a
-    # shorter time may have few steps, all of them kept.
-    has_steps_enough = end - start > MIN_DECAY_SAMPLES * fields.step
-    if len(ticks) < MIN_DECAY_SAMPLES and has_steps_enough:
+    # Few states are a mistake only if the grid took more steps than it kept: a short
+    # time may have few steps, all of which were kept.
+    had_more_steps = end - start > MIN_DECAY_SAMPLES * fields.step
+    if len(ticks) < MIN_DECAY_SAMPLES and had_more_steps:
         message = (
             f"only {len(ticks)} states were kept after the collision; leave snapshots "
             "out, or give more of them"
         )
         raise invalid_argument("ring_down", message)
     times = ticks * fields.clock.tick
-    states = bonded_groups(fields, ticks)
-    vibration = states.vibration.sum(axis=0)  # of all bodies, [time], as `kinetic` is
-    largest_energy = float(states.kinetic.max() + vibration.max())
+    groups = bonded_groups(fields, ticks)
+    # Vibration energy of all bodies, J [time]. `groups.kinetic` [time] is the kinetic
+    # energy of the centres of mass of all groups.
+    vibration = groups.vibration.sum(axis=0)
+    largest_energy = float(groups.kinetic.max() + vibration.max())
     round_off = VIBRATION_RTOL * largest_energy
     slowest = _slowest_mode(fields)
     return RingDown(
         times=times,
         vibration=vibration,
-        rigid=float(states.kinetic[-1]),
-        momentum_change=_momentum_change(fields, states, vibration),
+        rigid=float(groups.kinetic[-1]),
+        momentum_change=_momentum_change(fields, groups, vibration),
         decay_time=_decay_time(times, vibration, round_off),
         modal_decay_time=slowest.decay_time,
         body=slowest.body,

@@ -173,12 +173,12 @@ class WaveFields(Fields):
     ) -> Floats:
         """Values of a field by its formula, just after ("right") or before `ticks`.
 
-        x in m and ticks broadcast. The caller's `formula` must take the values of that
-        side; `side` is needed here only to find the faster way. This is taken on the
-        right side if waves are constant between fronts, x is a column and ticks are a
-        row in order: one value for each front.
+        x in m and ticks broadcast. The caller's `formula` must take the values of this
+        side; `side` only decides here whether a faster way is possible. It is taken
+        just after `ticks` if waves are constant between fronts, x is a column and the
+        ticks are a row that never falls: it computes one value for each front.
         """
-        # If so, a value just after a front holds for all ticks up to the next front.
+        # Then a value just after a front holds for all ticks up to the next front.
         holds_from_fronts = side == "right" and self.constant_between_fronts
         if holds_from_fronts and _is_grid(x, ticks):
             return self._grid_values(body, x, ticks, formula)
@@ -373,9 +373,9 @@ class WaveFields(Fields):
 
 
 def _is_grid(x: Floats, ticks: Ints) -> bool:
-    """Whether places are a column [point, 1] and ticks a row [tick] in order.
+    """Whether points x are a column [point, 1] and ticks a row [tick] that never falls.
 
-    There must be a place at least; equal neighbouring ticks are in order.
+    Then all points are wanted at all ticks. There must be at least one point.
     """
     is_column = np.ndim(x) == 2 and np.size(x) > 0 and np.shape(x)[1] == 1
     if not is_column or ticks.ndim != 1:

@@ -140,7 +140,9 @@ def needs_solutions(options: Options, readings: RequestedReadings) -> bool:
 
 
 def run_chunk(
-    chunk: Chunk, should_stop: Callable[[], bool] = lambda: False, later: int = 0
+    chunk: Chunk,
+    should_stop: Callable[[], bool] = lambda: False,
+    later_members: int = 0,
 ) -> Columns:
     """Columns of the members of a chunk, by name, with an entry a member in C order.
 
@@ -153,9 +155,9 @@ def run_chunk(
     chunk : Chunk
     should_stop : function
         Asked now and then whether to give up.
-    later : int
-        Members that are certain to follow in this process, by which the method decides
-        whether to compile.
+    later_members : int
+        Number of members that are certain to follow in this process: with many of them
+        the method compiles its kernels.
     """
     columns: Columns = {}
     try:
@@ -164,7 +166,7 @@ def run_chunk(
         if chunk.in_one_call:
             # Columns of the call replace those of the same name of single members: a
             # sweep with gauges has the same digits as one without.
-            columns |= _in_one_call(chunk, should_stop, later)
+            columns |= _in_one_call(chunk, should_stop, later_members)
     finally:
         memory.end_turn()  # others may now take more than their share of memory
     with_dtypes = {}
@@ -235,25 +237,28 @@ def _without_unread_states(options: Options, readings: RequestedReadings) -> Opt
     return replace(options, snapshots=2)
 
 
-def _in_one_call(chunk: Chunk, should_stop: Callable[[], bool], later: int) -> Columns:
+def _in_one_call(
+    chunk: Chunk, should_stop: Callable[[], bool], later_members: int
+) -> Columns:
     """Columns of members that the method runs in one call, by name, [member].
 
-    Names of `also` that the method does not find are left out. `should_stop` and
-    `later` are as for `run_chunk`.
+    The columns of `chunk.readings.also` are included, except those that the method does
+    not offer. `should_stop` and `later_members` are those of `run_chunk`.
     """
     options = chunk.options
     method = METHODS[options.method]
-    assert method.family is not None  # as `chunk.in_one_call` says
+    run_family = method.family
+    assert run_family is not None  # `chunk.in_one_call` has checked this
     method_options: dict[str, Any] = {}
     for name in method.takes:
         method_options[name] = getattr(options, name)
     also = [name for name in chunk.readings.also if name in method.also]
-    return method.family(
+    return run_family(
         build_row(chunk.system),
         options.until,
         options.max_events,
         **method_options,
         also=also,
         should_stop=should_stop,
-        later_members=later,
+        later_members=later_members,
     )

@@ -262,16 +262,17 @@ def _digits(value: float, scale: float, unit: str = "") -> str:
 def _why_no_restitution(result: SweepResult, varied: Varied) -> str:
     """Sentences on members without e, a line for each kind; "" if all have an e.
 
-    Each tells how many these are, and why the first one has none, which is solved again
-    for that. Members of a kind have the same status, and have or have not met.
+    Members of one kind have the same status; in addition, either all or none of them
+    have touched. A line tells how many members a kind has, and why the first of them
+    has no e; for this the first member is solved again.
     """
     missing = np.isnan(result.restitution)
-    # Of all contacts, an array of the family's shape
+    # Number of episodes of all contacts, an array of the family's shape
     episodes: Any = 0
     for contact in result.contacts:
         episodes = episodes + contact.episodes
     never_met = episodes == 0
-    # A number for each pair of a status and whether the bodies have never met
+    # A different number for each pair (status, never_met): never_met is 0 or 1
     kinds = np.asarray(2 * result.columns["status"] + never_met)
     sentences = []
     for kind in np.unique(kinds[missing]):

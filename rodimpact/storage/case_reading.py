@@ -176,9 +176,9 @@ def check_schema(top: Table) -> None:
 def read_materials(group: Table) -> Materials:
     """Materials of the file and of the library, by key.
 
-    A material of the file replaces one of the library with the same key. `group` holds
-    its table. With a loss factor it gets the viscosity for it. Steel stands in for a
-    material with mistakes, which are noted.
+    `group` has a table for each material of the file, which replaces a material of the
+    library with the same key. With a loss factor a material gets the viscosity that
+    follows from it. Mistakes are noted, and steel then replaces the material.
     """
     library = dict(materials.TABLE)
     for name in group.data:
@@ -189,7 +189,8 @@ def read_materials(group: Table) -> Materials:
         material = _material_or_steel(built)
         damping = read_damping(table)
         if damping:
-            # `DAMPING_KEYS` turns the arguments of `damped` into keys of the file.
+            # The method `damped` makes the material, as the class `Material` does
+            # above. `DAMPING_KEYS` turns its arguments into keys of the file.
             damped = table.make_or_note(material.damped, DAMPING_KEYS, **damping)
             material = _material_or_steel(damped)
         table.note_unknown_keys()

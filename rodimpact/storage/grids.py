@@ -193,18 +193,19 @@ class TieParts(NamedTuple):
 
 
 def _parts_of_tie(text: str, name: str) -> TieParts | None:
-    """Parts of a text before and behind the name of another number.
+    """Parts of a text before and after the name of another number.
 
     The text is "name", "factor*name", "name*operand", "name/operand", or has both, as
-    "factor*name/operand". None for any other text. The parts are not read.
+    "factor*name/operand". A missing part is "". None is returned for any other text.
+    The parts are not converted to numbers.
     """
-    factor = r"(?:(?P<factor>[^*]+)\*)?"  # may be missing, as operator and operand
-    operand = r"(?:(?P<operator>[*/])(?P<operand>.+))?"
+    factor = r"(?:(?P<factor>[^*]+)\*)?"  # optional
+    operand = r"(?:(?P<operator>[*/])(?P<operand>.+))?"  # optional
     pattern = rf"\s*{factor}\s*{re.escape(name)}\s*{operand}"
     parts = re.fullmatch(pattern, text)
     if parts is None:
         return None
-    # A group that is missing is None.
+    # `re` gives None for a missing group.
     return TieParts(
         parts["factor"] or "", parts["operator"] or "", parts["operand"] or ""
     )
@@ -280,38 +281,40 @@ def _names(text: str, name: str) -> bool:
 
 
 def read_grids(vary: Mapping[str, ArrayLike] | None) -> dict[str, Grid | Tie]:
-    """Return grids and ties by their paths, from their texts; {} for None.
+    """Return grids and ties by their paths, as the caller wrote them; {} for None.
 
-    The k-th grid runs along axis k; a tie runs along the axis of its source, which must
-    be a grid. InvalidModel for anything but a mapping of paths, more than `MAX_AXES`
-    grids, or a wrong tie. The values of the grids are not read here.
+    An entry of `vary` is a text, a list or an array; a text may name another path, and
+    is a tie then. The k-th grid runs along axis k; a tie runs along the axis of its
+    source, which must be a grid. InvalidModel is raised for anything but a mapping of
+    paths, for more than `MAX_AXES` grids, or for a wrong tie. The values of the grids
+    are not evaluated here.
     """
-    texts: Any = vary
+    entries: Any = vary
     if vary is None:
-        texts = {}
-    is_valid = isinstance(texts, Mapping)
+        entries = {}
+    is_valid = isinstance(entries, Mapping)
     if is_valid:
-        is_valid = all(isinstance(path, str) for path in texts)
+        is_valid = all(isinstance(path, str) for path in entries)
     if not is_valid:
         message = "must name numbers by their paths, each with a grid"
-        raise invalid_argument("vary", f"{message}, got {shown(texts)}")
-    # By path: the path of the number to which it is tied, or "" for a grid.
-    sources = {path: _source_of(path, texts[path], texts) for path in texts}
+        raise invalid_argument("vary", f"{message}, got {shown(entries)}")
+    # By path: the path of the number to which it is tied, or "" for a grid
+    sources = {path: _source_of(path, entries[path], entries) for path in entries}
     axes = [path for path, source in sources.items() if source == ""]
     if len(axes) > MAX_AXES:
         message = f"is one of {len(axes)} numbers; at most {MAX_AXES} vary at once"
         raise invalid_argument(axes[MAX_AXES], message)
     grids: dict[str, Grid] = {}
     for axis, path in enumerate(axes):
-        shape = [1] * len(axes)
+        shape = [1] * len(axes)  # as np.reshape takes it: the values run along `axis`
         shape[axis] = -1
-        grids[path] = Grid(path, texts[path], shape)
+        grids[path] = Grid(path, entries[path], shape)
     by_path: dict[str, Grid | Tie] = {}
     for path, source in sources.items():
         if source == "":
             by_path[path] = grids[path]
         elif source in grids:
-            by_path[path] = Tie(path, texts[path], grids[source])
+            by_path[path] = Tie(path, entries[path], grids[source])
         else:
             message = f"is tied to {source}, which is tied itself; tie it to a grid"
             raise invalid_argument(path, message)

@@ -411,8 +411,10 @@ def _vibration_scale(outcome: Any) -> Any:
 def _outcome_entries(outcome: Any) -> dict[str, Any]:
     """Entries of an outcome for JSON, by name; numbers in SI units.
 
-    Bodies and contacts are lists of dictionaries. A joined pair has None for all totals
-    but its impulse, and an undefined restitution None beside its reason.
+    They are `bodies` and `contacts`, lists of dictionaries, `restitution` and the
+    reason if it is undefined, all fields of type float (energies and residuals of the
+    row), `final` and `status`. For a joined pair (bond or joint) all totals except the
+    impulse are None. An undefined restitution is None.
     """
     bodies = []
     for i, kind in enumerate(outcome.bodies):
@@ -431,7 +433,7 @@ def _outcome_entries(outcome: Any) -> dict[str, Any]:
         contact: dict[str, Any] = {"left": k, "right": k + 1, "bonded": joined}
         contact.update(tally._asdict())
         if joined:
-            # A joined pair has an impulse, the first field, only.
+            # A joined pair has only an impulse, which is the first field.
             for name in tally._fields[1:]:
                 contact[name] = None
         contacts.append(contact)
@@ -443,7 +445,9 @@ def _outcome_entries(outcome: Any) -> dict[str, Any]:
     else:
         entries["restitution"] = outcome.restitution
         entries["restitution_undefined"] = None
-    for field in fields(outcome):  # of the dataclass
+    for field in fields(outcome):
+        # The types of the dataclass are classes, as its module does not defer the
+        # evaluation of annotations.
         if field.type is float:  # energies and residuals of the whole row
             entries[field.name] = getattr(outcome, field.name)
     entries["final"] = outcome.final
