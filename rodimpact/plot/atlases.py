@@ -32,9 +32,10 @@ FORMULA_WIDTH = 0.95  # width of a line of formulas, in widths of the Axes
 ONE_ATOL = 1e-9  # difference of e from 1 that counts as none
 DERIVED_UNITS = {"transit_time": "s", "impedance": "kg/s"}
 
-OTHER_FORMULA = 0  # kinds of border: the formula alone changes,
-OTHER_CONTACTS = 1  # the contacts change,
-E_IS_ONE = 2  # or e is 1
+# Kinds of border points
+OTHER_FORMULA = 0  # only the formula of e changes there
+OTHER_CONTACTS = 1  # the contacts that happen change too
+E_IS_ONE = 2  # e = 1 there
 BORDER_NAMES = ("another formula", "other contacts", "e = 1")
 
 
@@ -86,7 +87,9 @@ def atlas(plane: Atlas, ax: Axes | None = None) -> Picture:
     ax = axes_or_new(ax, width=5.6, height=4.2)
     x = edges[0] * scales[0].factor
     y = edges[1] * scales[1].factor
-    norm = colors.Normalize(least, max(1.0, least + 1e-3))
+    norm = colors.Normalize(
+        least, max(1.0, least + 1e-3)
+    )  # a range of 0 has no colours
     missing = "no value, or unresolved"
     cells = draw_cells(ax, (x, y), e.T, RISING, norm, missing)
     borders = _draw_borders(ax, plane, scales, kinds)
@@ -106,19 +109,22 @@ def atlas(plane: Atlas, ax: Axes | None = None) -> Picture:
 
 
 def _border_kinds(plane: Atlas) -> NDArray[np.int_]:
-    """What changes at each border point: OTHER_FORMULA, OTHER_CONTACTS or E_IS_ONE.
+    """Kind of each border point: OTHER_FORMULA, OTHER_CONTACTS or E_IS_ONE.
 
-    E_IS_ONE, where the formula of a region beside it gives e = 1, goes before the
-    others.
+    It is E_IS_ONE where the formula of a region beside the point gives e = 1 there.
+    Otherwise it is OTHER_CONTACTS if the regions on both sides are resolved and differ
+    in their contacts.
     """
     contacts = dict(enumerate(plane.contacts))  # an unresolved region, -1, has none
     kinds = np.full(len(plane.between), OTHER_FORMULA)
     for border, regions in enumerate(plane.between.tolist()):
-        before = contacts.get(regions[0])
-        after = contacts.get(regions[1])
-        if before is not None and after is not None and before != after:
+        one_side = contacts.get(regions[0])
+        other_side = contacts.get(regions[1])
+        are_resolved = one_side is not None and other_side is not None
+        if are_resolved and one_side != other_side:
             kinds[border] = OTHER_CONTACTS
-    cell_of_region = {region: i for i, region in enumerate(plane.region)}  # its last
+    # All cells of a region have one formula: the last one stands for the others.
+    cell_of_region = {region: i for i, region in enumerate(plane.region)}
     for region, i in cell_of_region.items():
         is_beside = (plane.between == region).any(axis=1)
         its_borders = np.flatnonzero(is_beside)
@@ -132,10 +138,10 @@ def _border_kinds(plane: Atlas) -> NDArray[np.int_]:
 def _draw_borders(
     ax: Axes, plane: Atlas, scales: Sequence[Scale], kinds: NDArray[np.int_]
 ) -> list[collections.LineCollection]:
-    """Draw the borders of each kind together; kinds that do not occur are left out."""
+    """Draw the borders, one collection of lines for each kind of border that occurs."""
     factors = [scale.factor for scale in scales]
     lines = plane.lines * factors
-    styles = {
+    styles = {  # width, points, and colour
         OTHER_FORMULA: (0.8, colours().ink),
         OTHER_CONTACTS: (2.0, colours().ink),
         E_IS_ONE: (2.0, colours().series[4]),
@@ -158,7 +164,11 @@ def _draw_borders(
 
 
 def _write_formulas(ax: Axes, plane: Atlas, scales: Sequence[Scale]) -> None:
-    """Number the largest regions, and write their formulas below in a few lines."""
+    """Number the `MAX_FORMULAS` largest regions, and write their formulas below.
+
+    A formula longer than `MAX_LETTERS` is cut at a space. ImportError is raised if
+    there is no sympy.
+    """
     room = FORMULA_WIDTH * size_in_points(ax)[0]
     formulas = []
     for number, region in enumerate(plane.largest(MAX_FORMULAS), 1):
@@ -179,21 +189,25 @@ def _write_formulas(ax: Axes, plane: Atlas, scales: Sequence[Scale]) -> None:
         )
         formula = region.formula
         if len(formula) > MAX_LETTERS:
-            formula = formula[:MAX_LETTERS].rsplit(" ", 1)[0] + " ..."
+            whole_words, _, _ = formula[:MAX_LETTERS].rpartition(" ")
+            formula = whole_words + " ..."
         formulas.append(wrap_words(f"{number}: {formula}", room, SMALL))
     ax.annotate(
         "\n".join(formulas),
-        (0, 0),
-        (0, -34),
-        "axes fraction",
-        "offset points",
+        xy=(0, 0),
+        xytext=(0, -34),  # below the label of the axis
+        xycoords="axes fraction",
+        textcoords="offset points",
         va="top",
         fontsize=SMALL,
     )
 
 
 def _scale(system: System, path: str, largest: float) -> Scale:
-    """Scale of the axis of the number at a path, for values up to `largest`."""
+    """Scale of the axis of the number at a path, for values up to `largest`.
+
+    A path may end in a number that follows from others, a key of `DERIVED_UNITS`.
+    """
     body, _, number = path.rpartition(".")
     if number in DERIVED_UNITS:
         name = number.replace("_", " ")

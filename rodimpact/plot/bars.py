@@ -43,15 +43,16 @@ DRAWN_SPREAD = 0.1  # spread of velocities drawn as one, in ranges of the rod's
 ONE_WAY_RTOL = 0.1  # difference of velocity and stretch across a front with a direction
 MIN_PIECE = 1e-9  # part of a rod's length; a front leaves its end at a rounded time
 SPRING_TURNS = 8
-_ZIGZAG = 0.12 * np.resize([1.0, -1.0], SPRING_TURNS)
+_ZIGZAG = 0.12 * np.resize([1.0, -1.0], SPRING_TURNS)  # distances between rows
 SPRING_HEIGHT = np.concatenate([[0.0, 0.0], _ZIGZAG, [0.0, 0.0]])
 SPRING_LENGTH = np.concatenate(
     [[0.0], np.linspace(0.12, 0.88, SPRING_TURNS + 2), [1.0]]
 )
-"""A spring from 0 to 1: a zigzag between two straight ends."""
+"""Corners of a spring from 0 to 1, a zigzag between two straight ends: height, x."""
 
 
-STATE = ("half", "velocity", "strain", "stress", "speed")
+STATE = ("half_height", "velocity", "strain", "stress", "speed")
+"""Fields of `PIECE` of which a joined piece has the mean."""
 PIECE = np.dtype(
     [
         ("row", int),
@@ -59,14 +60,18 @@ PIECE = np.dtype(
         ("segment", int),
         ("left", float),
         ("right", float),
-        ("half", float),
+        ("half_height", float),
         ("velocity", float),
         ("strain", float),
         ("stress", float),
         ("speed", float),
     ]
 )
-"""Uniform piece of rod in a row: its ends, half thickness, state and bar speed."""
+"""Uniform piece of a rod in one row of the picture.
+
+`left` and `right` are its ends in the picture's unit, `half_height` half its thickness
+in distances between rows, `speed` its bar speed, m/s.
+"""
 
 
 class _RodState(NamedTuple):
@@ -95,12 +100,13 @@ class Bars:
     def __init__(
         self, ax: Axes, layout: PictureLayout, times: Floats, x: Scale
     ) -> None:
-        """Measure the bodies at the times; `x` is the scale of places."""
+        """Measure the bodies at the times, without drawing; `x` scales positions."""
         self.ax = ax
         self.layout = layout
         self.solution = layout.solution
         self.system = layout.solution.system
         self.x_scale = x
+        # A smooth solution has no fronts; its rods are cut into many equal pieces.
         self.is_smooth = is_smooth(layout.solution)
         self.largest_strain: float | None = None  # until bodies are measured
         self.move_to(times)
@@ -110,9 +116,10 @@ class Bars:
     def move_to(self, times: Floats) -> None:
         """Measure the bodies at other times: set `times`, `row_heights` and `pieces`.
 
-        The first call sets `largest_strain` too, so that later ones thicken bars as
-        much. Of many pieces of a rod with fronts, those of nearly equal velocity become
-        one.
+        The first call sets `largest_strain` too; later calls use the same value, so
+        that equal strains are drawn equally thick at all times. If fronts divide a rod
+        into more than `MAX_PIECES` pieces, neighbours of nearly equal velocity are
+        joined.
         """
         self.times = times
         self.row_heights = -np.arange(float(times.size))
@@ -136,19 +143,20 @@ class Bars:
         self.pieces: Any = np.concatenate(parts).view(np.recarray)
 
     def _pieces_of(self, row: int, body: int, profile: Profile) -> Any:
-        """Records `PIECE` of a rod in a row of the picture, from its profile.
+        """Records `PIECE` of a rod in a row of the picture, one for each of its pieces.
 
-        Those too short to be seen are left out.
+        Pieces too short to be seen are left out.
         """
         edges = profile.edges
         x = middles(edges)
         ends = self.layout.point(body, edges, self.times[row]) * self.x_scale.factor
         segment, _ = self.solution.fields.locate(body, x)
         area, modulus, density = properties(self.solution, body, x)
-        # thickness as that of a round rod, and more of it where the strain is negative
+        # The diameter of a round rod is proportional to the square root of its area.
         relative_thickness = np.sqrt(area / self._widest_area())
         relative_thickness = np.maximum(MIN_THICKNESS, relative_thickness)
         assert self.largest_strain is not None  # `move_to` has set it
+        # Compression is negative strain: a compressed piece is thicker.
         swelling = 1 - SWELLING * profile.strain / self.largest_strain
         pieces: Any = np.recarray(x.size, PIECE)
         pieces.row = row
@@ -156,12 +164,13 @@ class Bars:
         pieces.segment = segment
         pieces.left = ends[:-1]
         pieces.right = ends[1:]
-        pieces.half = THICKNESS * relative_thickness / 2 * swelling
+        pieces.half_height = THICKNESS * relative_thickness / 2 * swelling
         pieces.velocity = profile.velocity
         pieces.strain = profile.strain
         pieces.stress = modulus * profile.strain
         pieces.speed = np.sqrt(modulus / density)
-        return pieces[np.diff(edges) > MIN_PIECE * edges[-1]]
+        length = edges[-1]
+        return pieces[np.diff(edges) > MIN_PIECE * length]
 
     def _widest_area(self) -> float:
         """Largest cross-sectional area of the rods, m^2."""
@@ -169,7 +178,8 @@ class Bars:
         for body in self.system.bodies:
             if isinstance(body, Rod):
                 for segment in body.segments:
-                    largest = max(largest, extremes(segment.area)[1])
+                    _, largest_of_segment = extremes(segment.area)
+                    largest = max(largest, largest_of_segment)
         return largest
 
     def end(self, body: int, is_right: bool) -> Floats:
@@ -182,15 +192,20 @@ class Bars:
     def draw_rods(
         self, numbers: Floats, norm: colors.Normalize
     ) -> collections.PolyCollection:
-        """Draw a polygon with a number for each piece; few pieces have an outline."""
+        """Draw a rectangle for each piece, coloured by its number in `numbers`.
+
+        Pieces between fronts have outlines; the many pieces of a smooth solution have
+        none, see `draw_outlines`. The rectangles are returned as one collection.
+        """
         outline: dict[str, Any] = {"linewidths": 0.6, "edgecolors": colours().ink}
         if self.is_smooth:
+            # Without antialiasing there are no pale gaps between the pieces.
             outline = {"linewidths": 0.0, "antialiased": False}
         pieces = self.pieces
         # Corners [4, piece] round each piece from its lower left one; row k is at -k.
         x = np.array([pieces.left, pieces.right, pieces.right, pieces.left])
-        y = np.multiply.outer([-1, -1, 1, 1], pieces.half) - pieces.row
-        corners: Any = np.array([x, y])  # matplotlib takes [piece, 4, 2]
+        y = np.multiply.outer([-1, -1, 1, 1], pieces.half_height) - pieces.row
+        corners: Any = np.array([x, y])  # [2, 4, piece]; matplotlib takes [piece, 4, 2]
         bars = collections.PolyCollection(
             corners.T,
             array=numbers,
@@ -204,25 +219,31 @@ class Bars:
         return bars
 
     def draw_fronts(self) -> list[Line2D]:
-        """Draw triangles above the fronts that show their direction, if it has fronts.
+        """Draw a triangle above each front, which points in its direction.
 
-        A front that runs to the right with bar speed c has the jumps dv = -c d(strain),
-        one to the left dv = c d(strain). A border of pieces with neither is no front.
+        Across a front that runs to the right with bar speed c, the jumps of velocity
+        and strain are dv = -c d(strain); across one to the left, dv = c d(strain). A
+        border of two pieces with neither is no front. A smooth solution has no fronts:
+        [] is returned.
         """
         if self.is_smooth:
             return []
         pieces = self.pieces
-        jump = np.diff(pieces.velocity)
-        stretch = pieces.speed[1:] * np.diff(pieces.strain)
-        is_front = np.isclose(abs(jump), abs(stretch), rtol=ONE_WAY_RTOL, atol=0.0)
+        # Jumps from each piece to the next, dv and c d(strain), m/s
+        velocity_jump = np.diff(pieces.velocity)
+        strain_jump = pieces.speed[1:] * np.diff(pieces.strain)
+        is_front = np.isclose(
+            abs(velocity_jump), abs(strain_jump), rtol=ONE_WAY_RTOL, atol=0.0
+        )
         triangles: list[Line2D] = []
+        # Only jumps inside one segment count, not those between rods or rows.
         for i in np.flatnonzero(is_front & _follow(pieces)):
             marker = "<"
-            if jump[i] * stretch[i] < 0:
+            if velocity_jump[i] * strain_jump[i] < 0:  # opposite signs: to the right
                 marker = ">"
             triangles += self.ax.plot(
                 pieces.right[i],
-                MARK_HEIGHT - pieces.row[i],
+                MARK_HEIGHT - pieces.row[i],  # row k is at -k
                 color=colours().ink,
                 markersize=3.5,
                 marker=marker,
@@ -231,25 +252,27 @@ class Bars:
         return triangles
 
     def draw_outlines(self) -> collections.LineCollection | None:
-        """Draw a line round each rod of a smooth solution; None for other solutions.
+        """Draw a line round each rod of a smooth solution, whose pieces have no lines.
 
-        Its many pieces have no lines of their own.
+        For other solutions nothing is drawn, and None is returned.
         """
         if not self.is_smooth:
             return None
         pieces = self.pieces
-        # a difference is not 0 where the row or the body is another
+        # A rod ends where the next piece is in another row or of another body.
         is_other_rod = np.diff(pieces.row) | np.diff(pieces.body)
-        starts = np.flatnonzero(is_other_rod) + 1
+        starts = np.flatnonzero(is_other_rod) + 1  # first pieces of all rods but one
         outlines = []
         for part in np.split(pieces, starts):
             rod = part.view(np.recarray)
-            # along the upper side from left to right, back along the lower side
+            # left and right end of each piece in turn, and the height at both
             x = np.array([rod.left, rod.right]).T.ravel()
-            half = np.repeat(rod.half, 2)
+            y = np.repeat(rod.half_height, 2)
+            # Along the upper side from left to right, back along the lower side, and
+            # once more to the first corner
             around_x = np.concatenate([x, x[::-1], x[:1]])
-            # Row k of the picture is at -k.
-            around_y = np.concatenate([half, -half[::-1], half[:1]]) - rod.row[0]
+            around_y = np.concatenate([y, -y[::-1], y[:1]])
+            around_y = around_y - rod.row[0]  # row k is at -k
             outlines.append(np.column_stack([around_x, around_y]))
         lines = collections.LineCollection(
             outlines, colors=colours().ink, linewidths=0.6, zorder=2.5
@@ -258,34 +281,53 @@ class Bars:
         return lines
 
     def draw_walls(self) -> list[patches.Rectangle]:
-        """Draw a hatched block beyond the face of each wall and fixed end."""
+        """Draw a hatched block beyond the face of each wall and fixed end, in each row.
+
+        The face is an upright line. The blocks are returned.
+        """
         depth = WALL_DEPTH * self.layout.row_length * self.x_scale.factor
         blocks: list[patches.Rectangle] = []
         for body, is_right in self.layout.walls():
             faces = self.end(body, is_right)
-            left = faces if is_right else faces - depth
+            left = faces  # a wall at the right end of the row begins at its face
+            if not is_right:
+                left = faces - depth
             blocks += self.ax.barh(
-                self.row_heights, depth, 2 * HALF_HEIGHT, left, **wall_style()
+                self.row_heights,
+                width=depth,
+                height=2 * HALF_HEIGHT,
+                left=left,
+                **wall_style(),
             )
             self._draw_upright(faces, linewidth=1.5)
         return blocks
 
     def draw_masses(self) -> list[patches.Rectangle]:
-        """Draw a block for each rigid mass."""
+        """Draw a block for each rigid mass in each row; return the blocks."""
         width = self.layout.mass_width * self.x_scale.factor
         blocks: list[patches.Rectangle] = []
         for i, body in enumerate(self.system.bodies):
             if isinstance(body, RigidMass):
                 left = self.end(i, is_right=False)
                 blocks += self.ax.barh(
-                    self.row_heights, width, THICKNESS, left, zorder=3, **mass_style()
+                    self.row_heights,
+                    width=width,
+                    height=THICKNESS,
+                    left=left,
+                    zorder=3,
+                    **mass_style(),
                 )
         return blocks
 
     def draw_marks(self) -> None:
-        """Draw absorbing and driven ends, springs, and lines at contacts that press."""
+        """Draw absorbing and driven ends, springs, and lines at contacts that press.
+
+        Only rigid contacts have such a line, in the rows in which their force is
+        positive.
+        """
         self._mark_ends()
         for _, start, stop in self.layout.springs(self.times):
+            # Corners [corner, row] of the spring; matplotlib draws a line a column.
             x = start + np.outer(SPRING_LENGTH, stop - start)
             self.ax.plot(
                 x * self.x_scale.factor,
@@ -305,16 +347,20 @@ class Bars:
                 )
 
     def _mark_ends(self) -> None:
-        """Draw dashes at absorbing ends, arrow heads at driven ones."""
+        """Draw a dashed line at each absorbing end, an arrow head at each driven end.
+
+        The arrow heads point into the row. Other ends have no mark here.
+        """
+        arrows = (">", "<")  # at the left and at the right end
         for arrow, outer, end in zip(
-            "><", self.layout.outer_ends(), self.system.ends, strict=True
+            arrows, self.layout.outer_ends(), self.system.ends, strict=True
         ):
-            x = self.end(*outer)
+            positions = self.end(outer.body, outer.is_right)  # [row]
             if isinstance(end, Absorbing):
-                self._draw_upright(x, **open_end_style())
+                self._draw_upright(positions, **open_end_style())
             elif type(end) in DRIVE_NAMES:
                 self.ax.plot(
-                    x,
+                    positions,
                     self.row_heights,
                     marker=arrow,
                     markersize=6.0,
@@ -323,7 +369,10 @@ class Bars:
                 )
 
     def draw_gauges(self, gauges: Mapping[str, Gauge]) -> None:
-        """Draw squares where strain gauges are, with their names at the first time."""
+        """Draw a square at each strain gauge in each row; write its name in the first.
+
+        The squares are on the lower side of the bars.
+        """
         y = self.row_heights - THICKNESS / 2
         for name, gauge in gauges.items():
             X = self.layout.point(gauge.body, gauge.x, self.times)
@@ -351,7 +400,10 @@ class Bars:
             )
 
     def _draw_upright(self, x: Floats, **style: Any) -> None:
-        """Draw an upright line in each row in which x is known, by default in ink."""
+        """Draw an upright line at x [row] in each row; none in rows in which x is NaN.
+
+        `style` are matplotlib's settings of the lines; the default colour is ink.
+        """
         style.setdefault("color", colours().ink)
         is_finite = np.isfinite(x)
         y = self.row_heights[is_finite]
@@ -369,32 +421,36 @@ def _largest_strain(profiles: list[Profile]) -> float:
 
 
 def merged(pieces: Any, spread: float) -> Any:
-    """Pieces with neighbours joined whose velocities differ by `spread` at most.
+    """New pieces: runs of neighbours of nearly equal velocity are joined into one.
 
-    Neighbours are in one segment and one row. A joined piece has the mean state of its
-    parts, weighted by their widths.
+    The velocities in a run differ by `spread` at most, and all its pieces are in one
+    segment and one row. A joined piece has the mean state of its parts, weighted by
+    their widths. `pieces` is not changed.
     """
-    follow = _follow(pieces)
+    follow = _follow(pieces)  # follow[i - 1] is that of piece i
     velocity = pieces.velocity
     starts = [0]  # index of the first part of each joined piece
     for i in range(1, len(pieces)):
-        if not follow[i - 1] or np.ptp(velocity[starts[-1] : i + 1]) > spread:
+        spread_with_i = np.ptp(velocity[starts[-1] : i + 1])
+        if not follow[i - 1] or spread_with_i > spread:
             starts.append(i)
+    # The last part of a joined piece is just before the first part of the next.
     last = np.append(starts, len(pieces))[1:] - 1
     width = pieces.right - pieces.left
     total_width = np.add.reduceat(width, starts)
-    whole = pieces[starts]
-    whole.right = pieces.right[last]
+    joined = pieces[starts]  # a copy of the first parts
+    joined.right = pieces.right[last]
     for name in STATE:
         sums = np.add.reduceat(width * pieces[name], starts)
-        whole[name] = sums / total_width
-    return whole
+        joined[name] = sums / total_width
+    return joined
 
 
 def _follow(pieces: Any) -> NDArray[np.bool_]:
-    """Whether each piece but the first is in the segment of the piece before it.
+    """Whether each piece is in the same row, body and segment as the piece before it.
 
-    They must be in one row and one body, too; [piece - 1].
+    The first piece has none before it: entry i - 1 is that of piece i.
     """
     owner = np.array([pieces.row, pieces.body, pieces.segment])
-    return np.asarray(~np.diff(owner).any(axis=0))
+    differs = np.diff(owner).any(axis=0)
+    return np.asarray(~differs)

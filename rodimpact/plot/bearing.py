@@ -119,9 +119,9 @@ def bearing(graph: BearingGraph, ax: Sequence[Axes] | None = None) -> Picture:
 def _draw_stress(
     ax: Axes, x: Floats, values: Floats, scale: Scale, index: int, name: str
 ) -> Line2D:
-    """Draw the largest stress of one sign against x, the scaled resistance.
+    """Draw the largest stress of one sign, Pa, against `x`, the scaled resistance.
 
-    `index` chooses colour and dashes.
+    `index` chooses the colour and the dashes, `name` is the entry of the legend.
     """
     (line,) = ax.plot(
         x,
@@ -139,7 +139,7 @@ def _draw_unfinished(
 ) -> Line2D | None:
     """Draw open marks on points whose blow did not come to its end.
 
-    None if all blows did.
+    None is returned, and nothing drawn, if all blows came to their ends.
     """
     if is_over.all():
         return None

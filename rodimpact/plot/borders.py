@@ -26,7 +26,8 @@ from .style import SMALL, colours
 
 Cut: TypeAlias = Polygons | Raster
 """How the rods are cut: into polygons between fronts, or into a raster of cells."""
-Stretches: TypeAlias = list[Floats]  # paths [n, 2] of the picture
+Stretches: TypeAlias = list[Floats]
+"""Parts of paths in the picture, each an array [time, 2] in units of the axes."""
 
 WALL_DEPTH = 0.04  # depth of a wall in the picture, in lengths of the row
 DRIVE_NAMES: dict[type, str] = {
@@ -39,11 +40,11 @@ POINTS_OF_CENTRE = 101  # points of the path of a centre of mass
 
 
 class ContactLines(NamedTuple):
-    """Lines of contacts: with force, touching without force, with a gap of no width."""
+    """Lines of contacts, by their state."""
 
-    pressing: collections.LineCollection
-    touching: collections.LineCollection
-    apart: collections.LineCollection
+    pressing: collections.LineCollection  # with force
+    touching: collections.LineCollection  # closed without force
+    apart: collections.LineCollection  # open gaps, where the picture leaves gaps out
 
 
 class Borders:
@@ -60,7 +61,7 @@ class Borders:
         self.times = np.linspace(*plane.span, MAX_POINTS)
 
     def ends(self) -> collections.LineCollection:
-        """Draw the paths of the ends of all rods; dashed where waves leave for good."""
+        """Draw the paths of the ends of all rods; absorbing ends are dashed lines."""
         absorbing = self._absorbing_ends()
         paths = []
         styles = []
@@ -88,23 +89,28 @@ class Borders:
         return absorbing
 
     def contacts(self) -> ContactLines:
-        """Draw where bodies press, touch without force, or are apart by no width."""
+        """Draw lines along contacts that can open: pressing, touching, or apart.
+
+        A contact presses while its mean force is not negligible. A rigid contact
+        touches while it is closed without force. A contact is drawn as apart only in
+        material coordinates, which leave out gaps; elsewhere the gap itself is seen.
+        """
         pressing: Stretches = []
         touching: Stretches = []
         apart: Stretches = []
         for contact in self.solution.contacts:
             if not contact.law.opens:
                 continue
-            # State of the contact between each of these times and the next
+            # State of the contact in each interval between neighbouring times
             times = self._times_of(contact)
-            force = np.diff(contact.impulse_until(times)) / np.diff(times)
+            mean_force = np.diff(contact.impulse_until(times)) / np.diff(times)
             gap = np.abs(contact.gap(times))
-            wider_gap = np.maximum(gap[:-1], gap[1:])
+            wider_gap = np.maximum(gap[:-1], gap[1:])  # of both ends of the interval
             is_closed = wider_gap <= NEGLIGIBLE_RTOL * gap.max()
-            presses = force > NEGLIGIBLE_RTOL * contact.peak_force
+            presses = mean_force > NEGLIGIBLE_RTOL * contact.peak_force
             touches = is_closed & ~presses & isinstance(contact.law, Rigid)
-            # In the laboratory the gap itself is seen.
-            is_apart = ~presses & ~touches & (self.layout.magnification == 0)
+            leaves_out_gaps = self.layout.magnification == 0
+            is_apart = ~presses & ~touches & leaves_out_gaps
 
             left = self.layout.end(contact.index, is_right=True, t=times)
             right = self.layout.end(contact.index + 1, is_right=False, t=times)
@@ -113,6 +119,7 @@ class Borders:
             touching += _stretches(path, touches)
             apart += _stretches(path, is_apart)
 
+        # A border in the colour of the paper
         casing = [patheffects.withStroke(linewidth=4.5, foreground=colours().paper)]
         return ContactLines(
             self._draw_lines(
@@ -132,33 +139,35 @@ class Borders:
         )
 
     def _times_of(self, contact: ContactHistory) -> Floats:
-        """Times in the picture between which a contact keeps its state.
+        """Times in the picture between which a contact keeps its state, in order.
 
-        They are those of its events, and where its force or gap bends; many even times
-        of a smooth solution.
+        They are the times of its events and those at which its force or gap bends. A
+        smooth solution has many even times instead of the latter.
         """
         events = event_times(contact, MAX_POINTS)
         if is_smooth(self.solution):
             return self._inside([*self.times, *events])
-        return self._inside([*contact.breakpoints()[0], *events])
+        bends, _, _ = contact.breakpoints()
+        return self._inside([*bends, *events])
 
     def _inside(self, times: ArrayLike) -> Floats:
-        """The times inside the picture in order, with its first and its last."""
+        """The times inside the picture in order, with its first and its last time."""
         with_span = np.append(times, self.plane.span)
+        # Times outside become the first or the last, which `unique` keeps once.
         return np.unique(np.clip(with_span, *self.plane.span))
 
     def springs(self) -> list[patches.Polygon]:
-        """Draw where the springs of compliant contacts that open are pressed."""
+        """Draw bands where springs are pressed, at compliant contacts that can open."""
         bands = []
         for contact, start, stop in self.layout.springs(self.times):
             if not contact.law.opens:
                 continue
             starts = self.plane.points(start, self.times)
             stops = self.plane.points(stop, self.times)
-            # By interval between two times, at its begin
+            # An interval between two times counts as pressed if it is so at its start.
             is_pressed = contact.gap(self.times)[:-1] < 0
-            both = np.stack([starts, stops], axis=1)
-            for band in _stretches(both, is_pressed):
+            both_ends = np.stack([starts, stops], axis=1)  # [time, end, 2]
+            for band in _stretches(both_ends, is_pressed):
                 strip = self._fill(
                     band[:, 0],
                     band[:, 1],
@@ -170,9 +179,12 @@ class Borders:
         return bands
 
     def walls(self) -> list[patches.Polygon]:
-        """Draw hatched bands beyond the faces of walls and fixed ends."""
+        """Draw hatched bands beyond the faces of walls and fixed ends.
+
+        Each face is a line. The bands are returned.
+        """
         depth = WALL_DEPTH * self.layout.row_length
-        times = np.array(self.plane.span)
+        times = np.array(self.plane.span)  # the path of a face is straight
         bands = []
         for body, is_right in self.layout.walls():
             x = self.layout.end(body, is_right, times)
@@ -220,8 +232,12 @@ class Borders:
         return strips
 
     def centres(self) -> list[Line2D]:
-        """Draw dashed paths of the centres of mass of rods that move in the picture."""
-        if self.layout.magnification == 0:  # bodies do not move in the picture
+        """Draw a dashed path of the centre of mass of each rod.
+
+        In material coordinates, where bodies do not move, nothing is drawn and [] is
+        returned.
+        """
+        if self.layout.magnification == 0:
             return []
         times = np.linspace(*self.plane.span, POINTS_OF_CENTRE)
         casing = patheffects.withStroke(
@@ -243,7 +259,7 @@ class Borders:
         return lines
 
     def gauges(self, gauges: Mapping[str, Gauge]) -> list[Line2D]:
-        """Draw the paths of strain gauges, each with its name."""
+        """Draw the paths of strain gauges; write the name of each at its beginning."""
         casing = [patheffects.withStroke(linewidth=2.4, foreground=colours().paper)]
         turn: dict[str, Any] = {"rotation": 90, "ha": "right", "xytext": (-2, 3)}
         if self.plane.across:
@@ -277,18 +293,23 @@ class Borders:
         return lines
 
     def drives(self) -> list[Line2D]:
-        """Draw arrow heads along the paths of driven ends, towards the row."""
+        """Draw `ARROWS_OF_DRIVE` arrow heads along the path of each driven end.
+
+        They point towards the row.
+        """
+        # The middles of equal parts of the span
         times = np.linspace(*self.plane.span, 2 * ARROWS_OF_DRIVE + 1)[1::2]
-        heads = "><"
-        if self.plane.across:
-            heads = "^v"
+        heads = (">", "<")  # at the left and at the right end of the row
+        if self.plane.across:  # the left end is below, the right end above
+            heads = ("^", "v")
         arrows: list[Line2D] = []
         for head, outer, end in zip(
             heads, self.layout.outer_ends(), self.system.ends, strict=True
         ):
             if type(end) in DRIVE_NAMES:
+                path = self._end_path(outer.body, outer.is_right, times)
                 arrows += self.ax.plot(
-                    *self._end_path(*outer, times).T,
+                    *path.T,
                     marker=head,
                     markersize=5.0,
                     zorder=6,
@@ -299,18 +320,19 @@ class Borders:
         return arrows
 
     def _end_path(self, body: int, is_right: bool, times: Floats) -> Floats:
-        """Path [time, 2] of an end of a body, straight between `times`."""
+        """Path [time, 2] in the picture of an end of a body at the times, s."""
         X = self.layout.end(body, is_right, times)
         return self.plane.points(X, times)
 
     def _fill(self, left: Floats, right: Floats, **style: Any) -> patches.Polygon:
         """Fill the strip between two paths [n, 2]."""
+        # The outline goes along one path and back along the other.
         strip = patches.Polygon(np.concatenate((left, right[::-1])), **style)
         self.ax.add_patch(strip)
         return strip
 
     def _draw_lines(self, paths: Stretches, **style: Any) -> collections.LineCollection:
-        """Draw paths, by default in the colour of ink."""
+        """Draw paths as one collection, by default in the colour of ink."""
         style.setdefault("color", colours().ink)
         lines = collections.LineCollection(paths, **style)
         self.ax.add_collection(lines)
@@ -345,7 +367,8 @@ def drive_style() -> dict[str, Any]:
 
 
 def apart_style() -> dict[str, Any]:
-    """Style of a gap without width: a double line."""
+    """Style of an open gap that is drawn without width: a double line."""
+    # A line in the colour of the paper over a wider one in ink
     casing = patheffects.withStroke(linewidth=3.6, foreground=colours().ink)
     return {"color": colours().paper, "linewidth": 2.4, "path_effects": [casing]}
 
@@ -361,7 +384,11 @@ def end_style() -> dict[str, Any]:
 
 
 def _stretches(path: Floats, inside: NDArray[np.bool_]) -> Stretches:
-    """Unbroken parts of a path; inside[i]: path[i] to path[i + 1] belongs to one."""
+    """Parts of a path [n, ...] whose intervals are inside; `inside` is [n - 1].
+
+    inside[i] says that the interval from path[i] to path[i + 1] belongs to a part.
+    Neighbouring intervals are in one part.
+    """
     # Between two values of [False, *inside, False] that differ, a part begins or ends.
     is_limit = np.diff(np.concatenate(([False], inside, [False])))
     limits = np.flatnonzero(is_limit).reshape(-1, 2)

@@ -14,10 +14,11 @@ from .scales import with_minus_signs
 from .style import SMALL, ink_on
 
 MAX_LEVELS = 8
-NEAR_LEVEL = 0.002  # part of the range: values as near to a level count as the level
-PLATEAU_ROWS = 3  # rows of equal values: no line follows such a plateau
+NEAR_LEVEL = 0.002  # part of the range: values nearer to a level count as equal to it
+EDGE_LEVELS = 10  # levels keep this many times NEAR_LEVEL from the ends of the range
+PLATEAU_ROWS = 3  # rows of values equal to a level that make a plateau
 LABEL_GAP = 2.0  # points between a label and other labels, lines, and the frame
-STUB = 8.0  # points of a line between its label and the frame, rather than a dot
+STUB = 8.0  # points of a line between its label and the frame: less looks like a dot
 LETTERS = SMALL + 1  # height, points
 POINTS_OF_LINE = 400  # points at which the distance of a label from a line is measured
 
@@ -29,9 +30,10 @@ def draw_contours(
     palette: colors.Colormap,
     norm: colors.Normalize,
 ) -> contour.QuadContourSet | None:
-    """Draw lines at round values of a map [x, y], up to the jumps and not across them.
+    """Draw contour lines at round values of a map [x, y]; they do not cross jumps.
 
-    None where there is no such value, or where every value is beside a jump.
+    None is returned if there is no round value well inside the range, or if every value
+    is beside a jump or not finite.
     """
     levels = _levels(values)
     is_smooth = away_from_jumps(values)
@@ -41,7 +43,7 @@ def draw_contours(
     return ax.contour(
         x,
         y,
-        np.ma.array(values, mask=~is_smooth).T,
+        np.ma.array(values, mask=~is_smooth).T,  # matplotlib takes [y, x]
         levels=levels,
         linestyles="-",
         linewidths=0.8,
@@ -51,18 +53,23 @@ def draw_contours(
 
 
 def _levels(values: Floats) -> list[float]:
-    """Round values well inside the range of a map, but not those of a plateau."""
+    """Round values well inside the range of a map, but not the values of plateaus.
+
+    A plateau has values equal to the level, as many as `PLATEAU_ROWS` rows: a line
+    along it would be noise.
+    """
     low = float(np.nanmin(values))
     high = float(np.nanmax(values))
     near = NEAR_LEVEL * (high - low)
     locator = ticker.MaxNLocator(MAX_LEVELS, steps=[1, 2, 2.5, 5, 10])
     levels = []
     for level in locator.tick_values(low, high):
-        is_inside = low + 10 * near < level < high - 10 * near
+        margin = EDGE_LEVELS * near
+        is_inside = low + margin < level < high - margin
         if not is_inside:
             continue
-        members = np.sum(np.abs(values - level) < near)
-        if members < PLATEAU_ROWS * max(values.shape):
+        equal_values = np.sum(np.abs(values - level) < near)
+        if equal_values < PLATEAU_ROWS * max(values.shape):
             levels.append(float(level))
     return levels
 
@@ -74,8 +81,17 @@ def label_contours(
 ) -> list[Text]:
     """Write the value of each line into it, clear of other labels, lines and the frame.
 
-    A label stands where matplotlib puts it, or else at the nearest clear point of its
-    line; a line without such a point has none.
+    A label is written where matplotlib puts it, or else at the nearest clear point of
+    its line. Points farther than `STUB` from the frame come first. A line without a
+    clear point has no label.
+
+    Parameters
+    ----------
+    ax : Axes
+    contours : QuadContourSet
+        Lines to be labelled.
+    borders : sequence of QuadContourSet
+        Other lines of the map, of one level each, which labels must not touch.
     """
 
     def value(level: float) -> str:
@@ -89,22 +105,24 @@ def label_contours(
     for border in borders:
         for line in border.allsegs[0]:
             obstacles = np.vstack([obstacles, _points_of(ax, line)])
-    clear = np.full(len(obstacles), LETTERS / 2)  # distance to keep from each obstacle
+    # Half width of each obstacle; that of a line is half the height of a letter.
+    half_widths = np.full(len(obstacles), LETTERS / 2)
     chosen = []
     for text in trial:
         half = text_width(text.get_text(), LETTERS) / 2 + LABEL_GAP
         candidates = []
         for point in _candidates(ax, contours, text):
             distances = np.hypot(*(obstacles - point).T)
-            if not (distances < half + clear).any():
+            if not (distances < half + half_widths).any():
                 candidates.append(point)
         inside = [point for point in candidates if _is_inside(ax, point, half + STUB)]
         inside += [point for point in candidates if _is_inside(ax, point, half)]
         if inside:
+            best = inside[0]
             to_map = ax.transData.inverted()
-            chosen.append(to_map.transform(inside[0] * _pixels(ax)))
-            obstacles = np.vstack([obstacles, inside[0]])
-            clear = np.append(clear, half)
+            chosen.append(to_map.transform(best * _pixels(ax)))
+            obstacles = np.vstack([obstacles, best])
+            half_widths = np.append(half_widths, half)
         text.remove()
     labels = ax.clabel(
         contours, fmt=value, inline_spacing=3, fontsize=LETTERS, manual=chosen
@@ -113,35 +131,40 @@ def label_contours(
 
 
 def _pixels(ax: Axes) -> float:
-    """Pixels that a point, 1/72 inch on paper, takes."""
+    """Pixels in a point, which is 1/72 inch on paper."""
     return float(ax.figure.dpi) / 72
 
 
-def _in_points(ax: Axes, places: Floats) -> Floats:
-    """Places of a map on paper, points."""
-    return np.asarray(ax.transData.transform(places) / _pixels(ax))
+def _in_points(ax: Axes, positions: Floats) -> Floats:
+    """Positions [..., 2] on the axes of a map as positions on paper, points."""
+    return np.asarray(ax.transData.transform(positions) / _pixels(ax))
 
 
 def _points_of(ax: Axes, line: Floats) -> Floats:
-    """`POINTS_OF_LINE` points [n, 2] along a line of the map, on paper.
+    """`POINTS_OF_LINE` points [n, 2] on paper along a line [corner, 2] of the map.
 
-    There are as many of them between any two corners of the line.
+    Each interval between neighbouring corners of the line has about as many points.
     """
     corners = _in_points(ax, line)
-    index = np.linspace(0, len(corners) - 1, POINTS_OF_LINE)
-    corner = np.arange(len(corners))
-    x = np.interp(index, corner, corners[:, 0])
-    y = np.interp(index, corner, corners[:, 1])
+    # Index of a corner, with fractions for points between corners
+    fine_index = np.linspace(0, len(corners) - 1, POINTS_OF_LINE)
+    index = np.arange(len(corners))
+    x = np.interp(fine_index, index, corners[:, 0])
+    y = np.interp(fine_index, index, corners[:, 1])
     return np.column_stack([x, y])
 
 
 def _candidates(
     ax: Axes, contours: contour.QuadContourSet, text: Text
 ) -> Iterator[Floats]:
-    """Points for a label: where it stands, then those of its line, nearest first."""
+    """Yield points [2] on paper for a label, the nearest to its present position first.
+
+    The first is the present position itself; the others are those of the line nearest
+    to it.
+    """
     start = _in_points(ax, np.array(text.get_position()))
     yield start
-    nearest: Floats | None = None
+    nearest: Floats | None = None  # points of the nearest line
     least = np.inf
     for lines in contours.allsegs:
         for line in lines:
@@ -160,9 +183,12 @@ def _candidates(
 
 
 def _is_inside(ax: Axes, point: Floats, half: float) -> bool:
-    """Whether a label at a point stays `half` its width, points, from the frame."""
+    """Whether a point on paper is inside the Axes, farther than `half` from its frame.
+
+    All lengths are in points.
+    """
     box = ax.get_window_extent()
-    low = box.p0 / _pixels(ax)
-    high = box.p1 / _pixels(ax)
-    is_inside = (point - half > low) & (point + half < high)
+    lower_left = box.p0 / _pixels(ax)
+    upper_right = box.p1 / _pixels(ax)
+    is_inside = (point - half > lower_left) & (point + half < upper_right)
     return bool(is_inside.all())

@@ -14,7 +14,7 @@ from .panels import Picture, axes_or_new, draw_zero, format_axes, new_figure
 from .scales import engineering, largest_of, time_scale, x_scale
 from .style import SMALL, colours, styled
 
-MIN_MISFIT = 1e-4  # smaller ones cannot be seen
+MIN_MISFIT = 1e-4  # a smaller misfit cannot be seen, and is not written
 
 
 @styled
@@ -69,7 +69,7 @@ def design(result: PulseDesign, ax: Axes | None = None) -> Picture:
     ax = axes_or_new(ax, width=5.6, height=3.4)
 
     def draw(signal: Signal, **style: Any) -> Line2D:
-        """Draw a force over time."""
+        """Draw a force over time, both in the units of the axes."""
         times = signal.times * time.factor
         (line,) = ax.plot(times, signal.values * force.factor, **style)
         return line
@@ -109,7 +109,11 @@ def _reached(result: PulseDesign, segments: int) -> str:
 
 
 def _draw_silhouette(ax: Axes, rod: Any) -> StepPatch:
-    """Draw the outline of a stepped rod as if it were round, its radius sqrt(A/pi)."""
+    """Draw the outline of a stepped rod as if it were round, of radius sqrt(A/pi).
+
+    The axis of thickness has the unit of the largest diameter. The right end is named
+    as the striking end.
+    """
     lengths = [float(segment.length) for segment in rod.segments]
     areas = [float(segment.area) for segment in rod.segments]
     edges = np.cumsum([0.0, *lengths])
@@ -127,18 +131,18 @@ def _draw_silhouette(ax: Axes, rod: Any) -> StepPatch:
         edgecolor=colours().ink,
         linewidth=0.8,
     )
-    reach = 1.1 * float(radii.max())
+    y_limit = 1.1 * float(radii.max())
     format_axes(
         ax,
         xlim=(0, 1.02 * x[-1]),
-        ylim=(-reach, reach),
+        ylim=(-y_limit, y_limit),
         xlabel=along.label,
         ylabel=f"from axis\n({thickness.unit})",
     )
     ax.annotate(
         "striking end",
-        (x[-1], 0.0),
-        (-4, 0),
+        xy=(x[-1], 0.0),
+        xytext=(-4, 0),
         textcoords="offset points",
         ha="right",
         va="center",

@@ -144,7 +144,8 @@ def draft_spacetime(
 ) -> Draft:
     """Draft of `spacetime`, with the same parameters: all but words and numbers.
 
-    Its regions are polygons between fronts, or the cells of a smooth solution.
+    Its regions are polygons between fronts, or the cells of a smooth solution. Wrong
+    arguments are refused as by `spacetime`.
     """
     check_has_rod(solution)
     check_choice("field", field, FIELDS)
@@ -169,14 +170,16 @@ def draft_spacetime(
         cut = Polygons(solution, start, stop)
     if stop is None:
         stop = solution.t_end
-    is_still = coordinates == "body"
-    layout = choose_layout(solution, start, stop, magnification, still=is_still)
+    layout = choose_layout(
+        solution, start, stop, magnification, still=coordinates == "body"
+    )
     values = cut.values(field, layout.frame)
     low = float(np.nanmin(values))
     high = float(np.nanmax(values))
     scale = field_scale(solution, field, dimensionless, max(abs(low), abs(high)))
-    scale = _with_average(_with_frame(scale, field, layout), field, cut)
-    reference = 0.0
+    scale = _with_frame(scale, field, layout)
+    scale = _with_average(scale, field, cut)
+    reference = 0.0  # value in the middle of the colours, on the scale
     if field == "velocity":
         reference = layout.frame * scale.factor
 
@@ -204,6 +207,7 @@ def draft_spacetime(
     plane.format()
     bar = add_colour_bar(ax, regions, scale.label, reference)
 
+    # Of several artists with one name the legend has the first.
     named = _named_contacts(contacts)
     for kind in (springs, masses, joints):
         named += kind[:1]
@@ -238,10 +242,11 @@ def draft_spacetime(
 
 
 def _named_contacts(contacts: ContactLines) -> list[artist.Artist]:
-    """Legend entries of the kinds of contact lines that the picture has.
+    """Legend entries of those of the three kinds of contact lines that are not empty.
 
-    They are the lines themselves. Lines of contacts that are apart are double, which a
-    legend does not draw of a collection: a line of this style stands for them.
+    Pressing and touching lines are entries themselves. The double lines of contacts
+    that are apart have a single line of this style as entry, because a legend does not
+    draw a collection with two colours.
     """
     named: list[artist.Artist] = []
     for lines in (contacts.pressing, contacts.touching):
@@ -253,10 +258,11 @@ def _named_contacts(contacts: ContactLines) -> list[artist.Artist]:
 
 
 def _with_average(scale: Scale, field: str, cut: Cut) -> Scale:
-    """The scale with the time over which cells are averaged in its name.
+    """The scale with ", mean over ..." in its name if its values are averages.
 
-    A short peak is higher than such an average. Displacements, polygons, and averages
-    over no more than a tick keep the scale as it is.
+    They are those of a raster whose cells last longer than a tick: a short peak is
+    higher than such an average. Displacements and values of polygons are no averages;
+    their scale is returned as it is.
     """
     if not isinstance(cut, Raster) or field == "displacement":
         return scale
@@ -267,9 +273,9 @@ def _with_average(scale: Scale, field: str, cut: Cut) -> Scale:
 
 
 def _with_frame(scale: Scale, field: str, layout: PictureLayout) -> Scale:
-    """The scale with the moving frame of displacements or energies in its name.
+    """The scale of displacements or energies with the moving frame in its name.
 
-    Other fields, and pictures at rest, keep the scale as it is.
+    For other fields, and in a frame at rest, the scale is returned as it is.
     """
     if not layout.frame or field not in ("displacement", "energy"):
         return scale

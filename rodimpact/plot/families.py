@@ -79,7 +79,10 @@ class ShownQuantity(NamedTuple):
 
     @property
     def words(self) -> tuple[str, ...]:
-        """Meanings of the counts 0, 1, ..., if they are no numbers."""
+        """Meanings of the values 0, 1, ... of a column of codes; () for other columns.
+
+        The columns of codes are "final" and "status".
+        """
         if self.name == "final":
             return ("not proved", "proved")
         if self.name == "status":
@@ -171,7 +174,7 @@ def sweep(
             "sweep(system[0])",
         )
     axes = [family_axis(result, i, names) for i in varied_axes]
-    shape = [axis.order.size for axis in axes]
+    shape = [axis.order.size for axis in axes]  # without the axes of one value
     index_of_sorted = np.ix_(*(axis.order for axis in axes))
 
     def arranged(table: NDArray[Any]) -> NDArray[Any]:
@@ -184,7 +187,7 @@ def sweep(
     scale = scale_of(measured, largest)
     if measured.unit == "m":  # a set or a displacement, in mm as in tables
         scale = engineering(measured.name, largest, "m")
-    is_count = column.dtype.kind in "iub"
+    is_count = column.dtype.kind in "iub"  # integers and booleans
     shown = ShownQuantity(quantity, values * scale.factor, scale, is_count)
     theory = None
     if quantity in COLUMNS:
@@ -205,7 +208,11 @@ def sweep(
 
 
 def _column(result: SweepResult, quantity: str) -> NDArray[Any]:
-    """The column of a quantity; InvalidModel if it is unknown or has no value."""
+    """The column of a quantity, as it is in `result.columns`.
+
+    InvalidModel is raised if `result` is no SweepResult, no column has this name, or
+    all values of the column are NaN or infinite.
+    """
     check_kind("result", result, SweepResult, "rodimpact.sweep(family)")
     if not isinstance(quantity, str) or quantity not in result.columns:
         raise invalid_argument(
@@ -244,29 +251,31 @@ def _draw_curve(
     theory: PairTheory | None,
     label: str | None,
 ) -> Picture:
-    """Draw values over one axis as a curve, counts as steps; below it the closed form.
+    """Draw values over one axis as a curve, counts as steps; return the Picture.
 
-    Few values are marked; with a closed form they are not joined. The axis of values
-    includes 0. It goes on to include the curves that the Axes has already.
+    The closed form is drawn under the curve, as a wide line. Up to `MAX_MARKED_POINTS`
+    values have marks, which no line joins if there is a closed form. The vertical axis
+    includes 0. If the Axes has curves already, the new one has another colour, both
+    axes still include the earlier curves, and a legend names all of them.
     """
-    earlier = [each for each in _named(ax) if each.get_label() != CLOSED_FORM]
+    earlier_curves = [each for each in _named(ax) if each.get_label() != CLOSED_FORM]
     colour = colours().ink
     name = "computed"
-    if earlier:
+    if earlier_curves:
         first, _, *others = colours().series  # the second is that of closed forms
         cycle = [first, *others]
-        colour = cycle[(len(earlier) - 1) % len(cycle)]
-        name = f"family {len(earlier) + 1}"
+        colour = cycle[(len(earlier_curves) - 1) % len(cycle)]
+        name = f"family {len(earlier_curves) + 1}"
     if label is not None:
         name = label
     low_before, high_before = ax.get_xlim()
-    format_family_axis(ax.xaxis, axis)
-    if earlier:
+    format_family_axis(ax.xaxis, axis)  # sets the limits to those of this family
+    if earlier_curves:
         low, high = ax.get_xlim()
         ax.set_xlim(min(low_before, low), max(high_before, high))
-    law = None
+    closed_form = None
     if theory is not None:
-        law = _draw_law(ax, axis, shown, theory)
+        closed_form = _draw_closed_form(ax, axis, shown, theory)
     drawn: Line2D | patches.StepPatch
     if shown.is_count:
         drawn = ax.stairs(
@@ -285,8 +294,8 @@ def _draw_curve(
         if axis.values.size > MAX_MARKED_POINTS:
             # Marks lie on whole pixels: each beside the line would give it teeth.
             style.update(marker=".", markersize=0.8, markevery=_alone(broken.y))
-        elif law is not None:
-            linestyle = ""
+        elif closed_form is not None:
+            linestyle = ""  # marks only
         (drawn,) = ax.plot(
             broken.x,
             broken.y,
@@ -296,27 +305,28 @@ def _draw_curve(
             **style,
         )
     named: list[artist.Artist] = []
-    if law is not None or label is not None or earlier:
+    if closed_form is not None or label is not None or earlier_curves:
         named = _named(ax)
-    if earlier:
-        ax.autoscale(axis="y")
+    if earlier_curves:
+        ax.autoscale(axis="y")  # the limits were fixed when the first curve was drawn
     low, high = ax.get_ylim()
     add_grid(ax)
     format_axes(
         ax, named, ylabel=shown.scale.label, ylim=(min(0.0, low), max(0.0, high))
     )
-    return Picture(ax=ax, values=drawn, theory=law)
+    return Picture(ax=ax, values=drawn, theory=closed_form)
 
 
 def _alone(values: Floats) -> list[int]:
-    """Indices of values without a neighbour, through which no line goes."""
+    """Indices of finite values whose neighbours are NaN: no line goes through them."""
+    # A NaN is added at both ends, so that each value has two neighbours.
     is_value = np.isfinite(np.pad(values, 1, constant_values=math.nan))
     has_neighbour = is_value[:-2] | is_value[2:]
     return np.flatnonzero(is_value[1:-1] & ~has_neighbour).tolist()
 
 
 def _named(ax: Axes) -> list[artist.Artist]:
-    """Artists of an Axes that have names, closed forms once."""
+    """Artists of an Axes that have names; only the first of several closed forms."""
     artists, names = ax.get_legend_handles_labels()
     named: list[artist.Artist] = []
     for each, name in zip(artists, names, strict=True):
@@ -327,29 +337,31 @@ def _named(ax: Axes) -> list[artist.Artist]:
     return named
 
 
-def _draw_law(
+def _draw_closed_form(
     ax: Axes, axis: FamilyAxis, shown: ShownQuantity, theory: PairTheory
 ) -> Line2D:
     """Draw the closed form as a wide line, also between the values of the family.
 
-    Between two members it is taken at equal steps: of the value, or of its logarithm if
-    all values are positive.
+    Each interval between two members is divided into equal steps of the value, or of
+    its logarithm if all values are positive, with at least `MIN_THEORY_POINTS` steps in
+    all. The line is interrupted where it jumps.
     """
-    is_positive = axis.values[0] > 0
+    is_positive = axis.values[0] > 0  # the first value is the least
     intervals = axis.values.size - 1
     members = axis.values
     if is_positive:
         members = np.log(members)
     parts = math.ceil(MIN_THEORY_POINTS / intervals)  # steps of each interval
-    fine = np.arange(intervals * parts + 1) / parts  # index of a member, with fractions
-    wanted = np.interp(fine, np.arange(intervals + 1), members)
+    # Index of each point among the members: 0, 1/parts, 2/parts, ..., intervals
+    fine_index = np.arange(intervals * parts + 1) / parts
+    wanted = np.interp(fine_index, np.arange(intervals + 1), members)
     family = theory.interpolated(members, wanted)
     values = family.column(shown.name) * shown.scale.factor
     x = wanted
     if is_positive:
         x = np.exp(wanted)
     broken = broken_at_jumps(x * axis.scale.factor, values)
-    (law,) = ax.plot(
+    (closed_form,) = ax.plot(
         broken.x,
         broken.y,
         color=colours().series[1],
@@ -358,11 +370,15 @@ def _draw_law(
         solid_capstyle="butt",
         label=CLOSED_FORM,
     )
-    return law
+    return closed_form
 
 
 def _draw_scatter(ax: Axes, axis: FamilyAxis, shown: ShownQuantity) -> Picture:
-    """Draw members in no order as points, and beside them a histogram of values."""
+    """Draw members in no order as points, and to their right a histogram of the values.
+
+    The histogram has horizontal bars on an Axes of its own, which shares the axis of
+    values. Counts have one bar each.
+    """
     format_family_axis(ax.xaxis, axis)
     (points,) = ax.plot(
         axis.numbers,
@@ -375,10 +391,12 @@ def _draw_scatter(ax: Axes, axis: FamilyAxis, shown: ShownQuantity) -> Picture:
     )
     add_grid(ax)
     format_axes(ax, ylabel=shown.scale.label)
+    # left, bottom, width and height of the histogram, in widths and heights of `ax`
     bars = ax.inset_axes((1.04, 0.0, HISTOGRAM_WIDTH, 1.0), sharey=ax)
     values = shown.values[np.isfinite(shown.values)]
     bins: Any = "auto"
     if shown.is_count:
+        # borders from half a count below the least to half a count above the largest
         bins = np.arange(shown.low - 0.5, shown.high + 1.0)
         _set_count_ticks(ax.yaxis, shown)
     _, _, histogram = bars.hist(
@@ -396,10 +414,11 @@ def _draw_scatter(ax: Axes, axis: FamilyAxis, shown: ShownQuantity) -> Picture:
 def _draw_map(
     ax: Axes, axes: list[FamilyAxis], shown: ShownQuantity, theory: PairTheory | None
 ) -> Picture:
-    """Draw values over two axes as cells, the first axis to the right.
+    """Draw values over two axes as coloured cells, the first axis to the right.
 
-    Numbers that vary have contour lines. The map of a pair has the lines of
-    `EQUALITIES`.
+    Values that differ have contour lines, unless they are counts. The map of two rods
+    with a closed form has the lines of `EQUALITIES` that cross it. A colour bar stands
+    beside the map, and a legend above it names the lines and the cells without a value.
     """
     palette, norm = _map_colours(shown)
     cells = draw_cells(ax, [axis.edges for axis in axes], shown.values, palette, norm)
@@ -408,12 +427,14 @@ def _draw_map(
         _set_ticks_at_few_numbers(axis, family)
     contours = None
     span = shown.high - shown.low
-    varies = span > NEGLIGIBLE_RTOL * max(-shown.low, shown.high)
+    largest_absolute = max(-shown.low, shown.high)
+    varies = span > NEGLIGIBLE_RTOL * largest_absolute
     if not shown.is_count and varies:
         grid = (axes[0].numbers, axes[1].numbers)
         contours = draw_contours(ax, grid, shown.values, palette, norm)
     lines: list[contour.QuadContourSet] = []
     named: list[artist.Artist | None] = []
+    # A wall or a rigid mass has an infinite impedance: it has nothing to be equal.
     if theory is not None and np.isfinite(theory.impedance).all():
         for equality in EQUALITIES:
             line = _draw_equality(ax, axes, shown, theory, equality)
@@ -423,7 +444,7 @@ def _draw_map(
     bar = add_colour_bar(ax, cells.mesh, shown.scale.label)
     if shown.is_count:
         _set_count_ticks(bar.ax.yaxis, shown)
-    named.append(cells.missing)
+    named.append(cells.missing)  # None if all cells have values
     format_axes(ax, named)
     picture = Picture(
         ax=ax,
@@ -435,7 +456,7 @@ def _draw_map(
     )
 
     def write_words() -> None:
-        """Write values into the contour lines."""
+        """Write values into the contour lines, clear of the lines of `EQUALITIES`."""
         if contours is not None:
             picture.labels = label_contours(ax, contours, lines)
 
@@ -445,12 +466,14 @@ def _draw_map(
 def _set_ticks_at_few_numbers(axis: Axis, family: FamilyAxis) -> None:
     """Put the ticks of a map at its numbers if they are few and lie far apart.
 
-    The cells of few numbers reach far beyond them. A logarithmic axis keeps its ticks.
+    Few are up to `MAX_TICKED_NUMBERS`; their cells are so wide that matplotlib's ticks
+    would lie between the numbers. A logarithmic axis keeps its ticks.
     """
     numbers = family.numbers
     if family.is_log or numbers.size > MAX_TICKED_NUMBERS:
         return
     spacings = np.abs(np.diff(numbers))
+    # Labels have room if each spacing is at least the range over MAX_TICKED_NUMBERS.
     if np.all(spacings * MAX_TICKED_NUMBERS >= np.ptp(numbers)):
         axis.set_major_locator(ticker.FixedLocator(numbers.tolist()))
 
@@ -463,13 +486,15 @@ class _MapColours(NamedTuple):
 
 
 def _map_colours(shown: ShownQuantity) -> _MapColours:
-    """Colours and limits: one colour a count, symmetric about 0 where signs differ.
+    """Colours and limits of a map.
 
-    Numbers of one sign run from the least to the largest; equal ones, from or to 0.
+    Counts have one colour each. Values of both signs have limits symmetric about 0.
+    Values of one sign have limits from the least to the largest; if all are equal, one
+    of the limits is 0.
     """
     low = shown.low
     high = shown.high
-    if shown.words:
+    if shown.words:  # all codes have a colour, also those that do not occur
         low = 0.0
         high = len(shown.words) - 1.0
     if shown.is_count:
@@ -497,30 +522,35 @@ def _draw_equality(
 ) -> contour.QuadContourSet | None:
     """Draw the line on which a number of both rods is equal, if it crosses the map.
 
-    It is where the logarithm of the ratio of the two numbers is 0.
+    The line is the contour 0 of the logarithm of the ratio of the two numbers. None is
+    returned if this logarithm has one sign everywhere. Where the map has no value, the
+    line is left out.
     """
-    first, second = getattr(theory, equality.number)
-    excess = np.round(np.log(np.divide(first, second)), EQUAL_RTOL_DIGITS)
-    excess = np.where(np.isfinite(shown.values), excess, np.nan)
-    if not (excess < 0).any() or not (excess > 0).any():
+    of_left, of_right = getattr(theory, equality.number)
+    # Rounded, so that round-off of equal numbers has no sign.
+    log_ratio = np.round(np.log(np.divide(of_left, of_right)), EQUAL_RTOL_DIGITS)
+    log_ratio = np.where(np.isfinite(shown.values), log_ratio, np.nan)
+    has_both_signs = (log_ratio < 0).any() and (log_ratio > 0).any()
+    if not has_both_signs:
         return None
     line = ax.contour(
         axes[0].numbers,
         axes[1].numbers,
-        np.ma.masked_invalid(excess.T),
+        np.ma.masked_invalid(log_ratio.T),  # matplotlib takes [y, x]
         levels=[0.0],
         colors=colours().ink,
         linewidths=1.4,
         linestyles=equality.dashes,
         zorder=4,
     )
+    # A border in the colour of the paper makes the line visible on dark cells.
     casing = patheffects.withStroke(linewidth=2.6, foreground=colours().paper)
     line.set_path_effects([casing])
     return line
 
 
 def _equality_line(equality: Equality) -> Line2D:
-    """Legend entry of an equality: a line with its name."""
+    """Legend entry of an equality: a line without points, with its dashes and name."""
     return Line2D(
         [],
         [],
@@ -532,7 +562,7 @@ def _equality_line(equality: Equality) -> Line2D:
 
 
 def _set_count_ticks(axis: Axis, shown: ShownQuantity) -> None:
-    """Set ticks at whole numbers, or at each count its meaning in words."""
+    """Set ticks at whole numbers; ticks of codes bear their meanings in words."""
     if shown.words:
         axis.set_ticks(range(len(shown.words)), shown.words)
     else:
@@ -584,21 +614,21 @@ def restitution(
         raise invalid_argument(
             "values", f"must have the shape {x.shape} of ratios, got {e.shape}"
         )
-    is_known = np.isfinite(x) & np.isfinite(e)
+    is_known = np.isfinite(x) & np.isfinite(e)  # the others are left out
     if not is_known.any():
         raise invalid_argument(
             "values", "needs at least one finite coefficient of restitution, got none"
         )
     x = x[is_known]
     e = e[is_known]
-    reach = max(1.0, float(x.max()))
-    top = max(reach, 1.05 * float(e.max()))
-    largest = np.abs(e - x).max()
+    x_limit = max(1.0, float(x.max()))
+    e_limit = max(x_limit, 1.05 * float(e.max()))
+    largest_residual = np.abs(e - x).max()  # the law is e = x
 
     ax = axes_or_new(ax, width=4.2, height=4.0)
     (law,) = ax.plot(
-        [0, reach],
-        [0, reach],
+        [0, x_limit],
+        [0, x_limit],
         color=colours().series[1],
         linewidth=1.2,
         label="e = ℓ₁/ℓ₂",
@@ -615,7 +645,7 @@ def restitution(
     residual = ax.text(
         0.98,
         0.04,
-        f"largest |e {MINUS} ℓ₁/ℓ₂| = {largest:.1e}\nin {e.size} collisions",
+        f"largest |e {MINUS} ℓ₁/ℓ₂| = {largest_residual:.1e}\nin {e.size} collisions",
         transform=ax.transAxes,
         ha="right",
         va="bottom",
@@ -625,8 +655,8 @@ def restitution(
     ax.legend(loc="upper left", frameon=False, fontsize=SMALL + 1)
     format_axes(
         ax,
-        xlim=(0, reach),
-        ylim=(0, top),
+        xlim=(0, x_limit),
+        ylim=(0, e_limit),
         aspect="equal",
         xlabel="ratio of lengths ℓ₁/ℓ₂",
         ylabel="coefficient of restitution e",

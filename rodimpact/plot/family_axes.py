@@ -17,29 +17,31 @@ from ..units import format_factor, shown
 from .scales import Scale, scale_of
 
 MIN_LOG_RANGE = 3.0  # last over first value from which an axis may be logarithmic
-MAX_DECADES_WITH_2_AND_5 = 2e3  # last over first value up to which 2 and 5 have ticks
+MAX_RATIO_WITH_2_AND_5 = 2e3  # last over first value up to which 2 and 5 have ticks
 
 
 class FamilyAxis(NamedTuple):
-    """An axis of the family: the order in which its values increase, and the values."""
+    """An axis of a picture of a family: one of its dimensions, sorted by the values."""
 
-    order: NDArray[np.intp]
-    values: Floats
+    order: NDArray[np.intp]  # indices of the members that sort the values
+    values: Floats  # SI, never decreasing
     scale: Scale
-    label: str  # name and unit, and the name of what varies along with it
-    is_ordered: bool  # whether all that varies along it rises or falls with the values
+    label: str  # name and unit, and the names of other numbers that vary along it
+    is_ordered: bool  # whether these other numbers rise or fall with the values
 
     @property
     def numbers(self) -> Floats:
-        """Numbers on the axis."""
+        """The values in the unit of the axis."""
         return self.values * self.scale.factor
 
     @property
     def is_log(self) -> bool:
-        """Whether the range is wide and logarithms are spread more evenly.
+        """Whether the axis is logarithmic: it has a wide range, and even logarithms.
 
-        Unevenness is the standard deviation of the steps between values, divided by the
-        mean step; that of the logarithms must be less than half.
+        At least three values are positive, and the last is `MIN_LOG_RANGE` times the
+        first or more. The unevenness, which is the standard deviation of the steps
+        between values divided by the mean step, is less than half as large for the
+        logarithms as for the values.
         """
         first, last = self.values[[0, -1]]
         if self.values.size < 3 or first <= 0 or last < MIN_LOG_RANGE * first:
@@ -54,30 +56,33 @@ class FamilyAxis(NamedTuple):
     def edges(self) -> Floats:
         """Borders [n + 1] of cells about the numbers [n] on the axis.
 
-        They lie half-way between the numbers, by their logarithms if the axis is
-        logarithmic, and as far beyond the outer ones, but not below 0.
+        Inner borders lie half-way between two numbers, on a logarithmic axis half-way
+        between their logarithms. The outer numbers are in the middles of their cells.
+        No border is below 0 if no number is.
         """
         x = self.numbers
         if self.is_log:
             x = np.log(x)
-        middle = (x[:-1] + x[1:]) / 2
-        first = 2 * x[0] - middle[0]
-        last = 2 * x[-1] - middle[-1]
-        edges = np.concatenate(([first], middle, [last]))
+        inner = (x[:-1] + x[1:]) / 2
+        # Mirror images of the nearest inner borders in the outer numbers
+        first = 2 * x[0] - inner[0]
+        last = 2 * x[-1] - inner[-1]
+        edges = np.concatenate(([first], inner, [last]))
         if self.is_log:
             edges = np.exp(edges)
-        if self.values[0] >= 0:
+        if self.values[0] >= 0:  # the first value is the least
             edges = np.maximum(edges, 0.0)
         return edges
 
 
 def check_varied(result: SweepResult, varied: Any) -> Sequence[Varied]:
-    """What the user varied along each axis of a family, () for None.
+    """The argument `varied`, checked, as a tuple; () for None.
 
     Raises
     ------
     InvalidModel
-        If it is no list or tuple of `Varied` that has the shape of the family.
+        If it is no list or tuple of `Varied`, one for each axis of the family, with as
+        many values as the axis has.
     """
     if varied is None:
         return ()
@@ -97,23 +102,25 @@ def family_axis(
 ) -> FamilyAxis:
     """The axis of a dimension of the family: order, values, scale and label.
 
-    Members are counted, 0, 1, ..., if all values along the dimension are the same. The
-    label names what else varies along it.
+    The values are those that the user varied, else those of `result.axes`. If they are
+    all the same, the members are counted instead, 0, 1, .... The label also names other
+    numbers that vary along the dimension, unless
+    `varied` says what the user varied. `is_ordered` is false if one of the other
+    numbers, in the order of the values, both rises and falls.
 
     Parameters
     ----------
     result : SweepResult
     dimension : int
     varied : sequence of Varied
-        What the user varied along each axis, and follows on the axis alone; () if
-        unknown.
+        What the user varied along each axis; () if unknown.
     """
     name, values = result.axes[dimension]
     quantity = quantity_of_parameter(result.system, name)
     if varied:
         name, values, unit = varied[dimension]
         quantity = quantity_of_parameter(result.system, name)
-        if quantity.name == name:  # no number of the system
+        if quantity.name == name:  # the user's own number, not one of the system
             quantity = Quantity(name, unit or "1")
     values = np.asarray(values, dtype=float)
     if values.min() == values.max():
@@ -141,11 +148,12 @@ def family_axis(
 
 
 def _varying_along(result: SweepResult, dimension: int) -> dict[str, NDArray[Any]]:
-    """Numbers that vary along a dimension, by path, each with the dimension first.
+    """Numbers that vary along a dimension, by path, each with this dimension first.
 
-    Numbers with fewer dimensions than the family vary along its last ones.
+    As in NumPy's broadcasting, a number with fewer dimensions than the family has the
+    last ones.
     """
-    from_end = len(result.shape) - dimension
+    from_end = len(result.shape) - dimension  # the dimension is number -from_end
     varying = {}
     for path, numbers in result.parameters.items():
         if numbers.ndim >= from_end and numbers.shape[-from_end] > 1:
@@ -154,7 +162,10 @@ def _varying_along(result: SweepResult, dimension: int) -> dict[str, NDArray[Any
 
 
 def _is_monotonic(numbers: NDArray[Any]) -> bool:
-    """Whether numbers never fall or never rise along their first axis."""
+    """Whether numbers never fall or never rise along their first axis.
+
+    Each column of further axes may do either.
+    """
     steps = np.diff(numbers.astype(float), axis=0)
     rises = (steps >= 0).all(axis=0)
     falls = (steps <= 0).all(axis=0)
@@ -162,7 +173,11 @@ def _is_monotonic(numbers: NDArray[Any]) -> bool:
 
 
 def format_family_axis(axis: Axis, family: FamilyAxis) -> None:
-    """Set limits, label, scale and ticks of an axis: 1, 2, 5 if it is logarithmic."""
+    """Set limits, label, scale and ticks of an axis.
+
+    A logarithmic axis has ticks at 1, 2 and 5 times powers of ten, a long one only at
+    powers of ten.
+    """
     first, last = family.edges[[0, -1]]
     axis.set_label_text(family.label)
     scale = "log" if family.is_log else "linear"
@@ -172,7 +187,7 @@ def format_family_axis(axis: Axis, family: FamilyAxis) -> None:
         axis.axes.set(yscale=scale, ylim=(first, last))
     if family.is_log:
         digits: tuple[float, ...] = (1.0,)
-        if last < MAX_DECADES_WITH_2_AND_5 * first:
+        if last < MAX_RATIO_WITH_2_AND_5 * first:
             digits = (1.0, 2.0, 5.0)
         axis.set_major_locator(ticker.LogLocator(subs=digits, numticks=15))
         axis.set_major_formatter(

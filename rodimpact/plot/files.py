@@ -25,6 +25,7 @@ FORMATS: dict[str, dict[str, Any]] = {
     "svg": {"Date": None},
     "pdf": {"CreationDate": None},
 }
+"""Formats, with metadata that must not be written: they change from file to file."""
 REPRODUCIBLE: Any = {
     "svg.hashsalt": "rodimpact",
     "svg.fonttype": "none",
@@ -32,7 +33,7 @@ REPRODUCIBLE: Any = {
 }
 """Settings with which the same picture gives the same bytes."""
 LONG_DECIMALS = rb"(?<=\.\d\d)\d+(?=[^<>]*>)"  # decimals beyond two, in an SVG
-OUTER_SPACES = rb"(?<=\n) +| (?=\n)"
+OUTER_SPACES = rb"(?<=\n) +| (?=\n)"  # at the beginnings and ends of lines
 
 
 @explain_arguments
@@ -85,7 +86,10 @@ def save(picture: Any, path: str | os.PathLike[str], force: bool = False) -> Non
 
 
 def _title(figure: Figure) -> str:
-    """Title of a figure in one line, else "y over x" of its first Axes' labels."""
+    """Title of a figure in one line; without a title, "y over x" from axis labels.
+
+    The labels are those of the first Axes; "" if there are none.
+    """
     title = figure.get_suptitle()
     if not title and figure.axes:
         ax = figure.axes[0]
@@ -95,15 +99,22 @@ def _title(figure: Figure) -> str:
 
 
 def _smaller_svg(data: bytes) -> bytes:
-    """An SVG with hundredths of a point, and a font that is named once, in its head."""
-    family = f"; font-family: '{FONT}'(?=[;\"])".encode()
+    """A shorter SVG that shows the same.
+
+    Numbers have two decimals, lines no spaces at their ends, and the font is named once
+    for the whole picture.
+    """
+    family = f"; font-family: '{FONT}'(?=[;\"])".encode()  # in the style of each text
     data = re.sub(LONG_DECIMALS + b"|" + OUTER_SPACES + b"|" + family, b"", data)
     head = f"<svg font-family=\"'{FONT}', sans-serif\" ".encode()
     return data.replace(b"<svg ", head, 1)
 
 
 def format_of(path: str | os.PathLike[str], formats: Collection[str]) -> str:
-    """The format that the suffix of a path names; ValueError if it is none of these."""
+    """The suffix of a path without its dot, in small letters.
+
+    ValueError is raised if it is none of `formats`.
+    """
     path = file_name(path)
     kind = Path(path).suffix.lower().removeprefix(".")
     if kind not in formats:
@@ -115,7 +126,10 @@ def format_of(path: str | os.PathLike[str], formats: Collection[str]) -> str:
 
 
 def as_image(data: bytes, kind: str, description: str) -> str:
-    """HTML of a picture with its data in the text, so that it needs no file."""
+    """HTML of a picture with its data in the text, so that it needs no file.
+
+    `kind` is its format, such as "png", `description` a text for screen readers.
+    """
     code = base64.b64encode(data).decode()
     return (
         f'<img src="data:image/{kind};base64,{code}" alt="{html.escape(description)}" '

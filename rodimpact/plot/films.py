@@ -18,18 +18,19 @@ from .files import format_of
 
 LAST_FRAME_MS = 1500  # time for which a GIF stops before it begins again
 GIF_COLOURS = 255  # those of its last frame
-PAPER_TOLERANCE = 9  # shades, of 255: nearer ones are taken for the paper
+PAPER_TOLERANCE = 9  # of 255, in red, green or blue: nearer colours become the paper's
+MIN_HUNDREDTHS = 2  # hundredths of a second; browsers show faster pictures slowly
 
 
 def check_film(path: str | os.PathLike[str]) -> str:
-    """Kind of film that a path names, a key of `WRITERS`.
+    """Kind of film that the suffix of a path names, "gif" or "mp4".
 
     Raises
     ------
     ValueError
-        If it names none.
+        If the suffix names neither.
     OSError
-        If it names an MP4, and there is no ffmpeg to make it.
+        If it names an MP4, and the program ffmpeg is not installed.
     """
     kind = format_of(path, WRITERS)
     if kind == "mp4" and shutil.which("ffmpeg") is None:
@@ -41,41 +42,54 @@ def check_film(path: str | os.PathLike[str]) -> str:
 
 
 def write_gif(file: BinaryIO, film: Any, report: ProgressReport = no_report) -> None:
-    """Write the frames of an Animation, in the colours of the last one."""
+    """Write the frames of an Animation as a GIF that repeats for ever.
+
+    All frames have the colours of the last one. Each stays for a whole number of
+    hundredths of a second, the last one `LAST_FRAME_MS` longer. `report` is called
+    after each frame.
+    """
     last = film.frame(len(film) - 1)
     palette = _palette(Image.fromarray(last))
     pictures = (
         Image.fromarray(frame).quantize(palette=palette, dither=Image.Dither.NONE)
         for frame in film.frames(report)
     )
-    hundredths = max(2, round(100 / film.fps))  # the unit of time of a GIF
+    # The unit of time of a GIF is a hundredth of a second.
+    hundredths = max(MIN_HUNDREDTHS, round(100 / film.fps))
     durations = [10 * hundredths] * len(film)  # ms
     durations[-1] += LAST_FRAME_MS
-    next(pictures).save(
+    first = next(pictures)
+    first.save(
         file,
         format="GIF",
         save_all=True,
-        append_images=pictures,
-        loop=0,
+        append_images=pictures,  # the frames after the first, drawn one at a time
+        loop=0,  # for ever
         duration=durations,
     )
 
 
 def _palette(last: Image.Image) -> Any:
-    """Picture with the colours of the last frame, all near to the paper the paper's."""
+    """Picture whose palette has `GIF_COLOURS` colours of the last frame.
+
+    Colours that hardly differ from the paper become that of the paper, so that it has
+    no specks.
+    """
     palette: Any = last.quantize(GIF_COLOURS)
     paper = last.getpixel((0, 0))  # no panel reaches into the corner
-    shades = np.reshape(palette.getpalette(), (-1, 3))
-    difference = np.abs(shades - paper).max(axis=1)
-    shades[difference < PAPER_TOLERANCE] = paper
-    palette.putpalette(shades.ravel().tolist())
+    rgb = np.reshape(palette.getpalette(), (-1, 3))  # [colour, red, green or blue]
+    difference = np.abs(rgb - paper).max(axis=1)
+    rgb[difference < PAPER_TOLERANCE] = paper
+    palette.putpalette(rgb.ravel().tolist())
     return palette
 
 
 def _write_mp4(file: BinaryIO, film: Any, report: ProgressReport) -> None:
-    """Let ffmpeg write the frames of an Animation, raw pixels, to this file's name.
+    """Write the frames of an Animation as an MP4, by the program ffmpeg.
 
-    OSError is raised with the words of ffmpeg if it fails.
+    The program takes raw pixels from a pipe, and replaces the file of this name.
+    `report` is called after each frame. OSError is raised with the words of ffmpeg if
+    it fails.
     """
     height, width, _ = film.frame(0).shape
     command = [
@@ -107,7 +121,8 @@ def _write_mp4(file: BinaryIO, film: Any, report: ProgressReport) -> None:
         command, stdin=subprocess.PIPE, stderr=subprocess.PIPE
     ) as process:
         assert process.stdin is not None
-        with contextlib.suppress(BrokenPipeError):  # the errors tell why
+        # If ffmpeg ends early, its errors below tell why.
+        with contextlib.suppress(BrokenPipeError):
             for picture in film.frames(report):
                 process.stdin.write(picture.tobytes())
         _, errors = process.communicate()

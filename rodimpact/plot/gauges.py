@@ -21,11 +21,11 @@ PULSE_RTOL = 0.01  # part of the largest strain of a wave: less is no pulse
 
 
 class _Pulse(NamedTuple):
-    """First interval of time in which a wave is strong."""
+    """First interval of time in which a wave exceeds `PULSE_RTOL`."""
 
     start: float  # s
-    stop: float
-    is_tension: bool
+    stop: float  # s
+    is_tension: bool  # whether the sum of its strains is positive
 
 
 @styled
@@ -165,9 +165,12 @@ def gauge(
 def _draw_steps(
     ax: Axes, record: Gauge, values: Floats, time: Scale, **style: Any
 ) -> StepPatch:
-    """Draw strains of a record over time as steps, of very many the extreme ones."""
+    """Draw strains [time] of a record as steps; of a long record only the extreme ones.
+
+    `style` are matplotlib's settings of the line.
+    """
     style.setdefault("linewidth", 1.4)
-    # More than straight lines: it has samples, not constant states alone.
+    # A state that is constant between its times has at most two coefficients each.
     is_smooth = record.record.coefficient_count > 2
     curve = thinned(steps_until(record.end, record.times, values, is_smooth))
     return ax.stairs(
@@ -179,52 +182,55 @@ def _draw_steps(
 
 
 def _pulses(records: list[Gauge]) -> dict[str, _Pulse]:
-    """Pulses of one record, and the transmitted pulse of a second one, by name.
+    """Pulses "incident" and "reflected" of the first record, by name.
 
-    The windows of the later pulses are as long as the incident pulse. A bar that
-    vibrates at t = 0 has no such pulses.
+    A second record adds the pulse "transmitted". These windows begin when the pulse
+    arrives, and all are as long as the incident pulse. {} is returned if a pulse other
+    than the incident one begins at t = 0: the bar then vibrates from the start.
     """
-    incident, reflected = _passing(records[0])
-    later = {"reflected": reflected}
+    incident, reflected = _first_pulses(records[0])
+    others = {"reflected": reflected}
     if len(records) > 1:
-        transmitted, _ = _passing(records[1])
-        later["transmitted"] = transmitted
-    vibrates_at_first = any(pulse.start == 0 for pulse in later.values())
+        transmitted, _ = _first_pulses(records[1])
+        others["transmitted"] = transmitted
+    vibrates_at_first = any(pulse.start == 0 for pulse in others.values())
     if vibrates_at_first:
         return {}
     pulses = {"incident": incident}
-    for name, pulse in later.items():
+    for name, pulse in others.items():
         stop = pulse.start + incident.stop - incident.start
         pulses[name] = pulse._replace(stop=stop)
     return pulses
 
 
-def _passing(record: Gauge) -> list[_Pulse]:
-    """First pulse of each of the two waves of a record, the earlier one first.
+def _first_pulses(record: Gauge) -> list[_Pulse]:
+    """First pulses of the two waves of a record, one each, the earlier one first.
 
-    It lasts while the wave exceeds `PULSE_RTOL` of the largest strain of both waves. A
-    wave that never does has a pulse of no duration at the end.
+    A pulse lasts while its wave exceeds `PULSE_RTOL` of the largest strain of both
+    waves. A wave that never exceeds it has a pulse of no duration at the end.
     """
     times = np.append(record.times, record.end)
     waves = (record.rightward, record.leftward)
     least = PULSE_RTOL * np.abs(waves).max()
     pulses = []
     for wave in waves:
-        # `argmax` finds the first True, `argmin` the first False.
+        # `argmax` finds the first True, `argmin` the first False. The values appended
+        # stand for the end of the record.
         is_strong = np.abs(wave) > least
-        first = int(np.append(is_strong, True).argmax())  # the end if it never is
+        first = int(np.append(is_strong, True).argmax())
         after = first + int(np.append(is_strong[first:], False).argmin())
         is_tension = bool(wave[first:after].sum() > 0)
         pulses.append(_Pulse(float(times[first]), float(times[after]), is_tension))
-    return sorted(pulses)
+    return sorted(pulses)  # by `start`
 
 
 def _shade(
     ax: Axes, pulses: dict[str, _Pulse], end: float, time: Scale
 ) -> dict[str, Rectangle]:
-    """Shade the windows of pulses that begin before the end, s; return them by name.
+    """Shade the windows of pulses on the Axes; return the rectangles by name.
 
-    A window of tension reaches from 0 upward, one of compression downward.
+    A window of tension reaches from 0 upward, one of compression downward. Windows are
+    cut at `end`, s; a pulse that begins there or later has none.
     """
     series = colours().series
     shades = {"incident": series[0], "reflected": series[1], "transmitted": series[3]}
@@ -233,10 +239,11 @@ def _shade(
     for name, pulse in pulses.items():
         if pulse.start >= end:
             continue
+        duration = min(pulse.stop, end) - pulse.start
         window = Rectangle(
             (pulse.start * time.factor, 0.0),
-            (min(pulse.stop, end) - pulse.start) * time.factor,
-            high if pulse.is_tension else low,
+            width=duration * time.factor,
+            height=high if pulse.is_tension else low,
             color=shades[name],
             alpha=0.18,
             linewidth=0,

@@ -1,7 +1,7 @@
 """Force and gap of contacts over time: exact steps, not samples.
 
-Of very many steps the least and the largest in each of a thousand intervals are
-drawn.
+If there are very many steps, only the least and the largest in each of a thousand
+intervals are drawn.
 """
 
 from collections.abc import Sequence
@@ -44,7 +44,7 @@ from .scales import Scale, engineering, largest_of, quantity_text, time_scale
 from .style import DASHES, SMALL, colours, styled
 
 MAX_MARKED_EPISODES = 3  # episodes of a contact up to which their ends are named
-MAX_NAMED_CONTACTS = 12  # contacts that are drawn together, or named in rows
+MAX_NAMED_CONTACTS = 12  # most contacts that are drawn together, or named in rows
 ROW_FILL = 0.85  # height of the largest force, in distances between rows
 HEADROOM = 1.3  # upper limit of an axis, in largest values: words stand above the curve
 CAPTION_HEIGHT = 11  # points from one caption to the next
@@ -116,7 +116,10 @@ def contact(
 def draft_contact(
     solution: Solution, ax: Sequence[Axes] | None, contacts: Sequence[int]
 ) -> Draft:
-    """Draft of `contact` for some contacts; marks are written for a single one."""
+    """Draft of `contact` for the contacts of these indices: all but labels and marks.
+
+    The marks of force ends and openings are written for a single contact only.
+    """
     force_ax, gap_ax = two_axes_or_new(ax, "force and gap", height=4.2, ratios=(1, 1))
 
     # What is measured.
@@ -144,7 +147,8 @@ def draft_contact(
             each.set_ylabel(break_label(scale.label, height))
 
     label()
-    if len(contacts) == MAX_NAMED_CONTACTS < len(solution.contacts):
+    is_selection = len(contacts) == MAX_NAMED_CONTACTS < len(solution.contacts)
+    if is_selection:
         force_ax.set_title(
             f"{len(contacts)} of {len(solution.contacts)} contacts",
             loc="left",
@@ -169,7 +173,10 @@ def draft_contact(
 
 
 def _most_pressed(solution: Solution) -> list[int]:
-    """Contacts of the largest peak forces, `MAX_NAMED_CONTACTS` at most, in order."""
+    """Indices of the contacts with the largest peak forces, from left to right.
+
+    There are `MAX_NAMED_CONTACTS` of them, or all contacts if they are fewer.
+    """
     contacts = list(range(len(solution.contacts)))
     if len(contacts) <= MAX_NAMED_CONTACTS:
         return contacts
@@ -181,9 +188,9 @@ def _most_pressed(solution: Solution) -> list[int]:
 def _draw_gaps(
     ax: Axes, curves: "ContactCurves", forces: Sequence[StepPatch], factor: float
 ) -> list[Line2D]:
-    """Draw gaps over time, each in colour and dash of the force of its contact.
+    """Draw gaps over time, each with the colour and dashes of its contact's force.
 
-    `factor` makes the numbers of the axis from metres.
+    A gap in metres times `factor` is the number on the axis.
     """
     lines: list[Line2D] = []
     for force, gap in zip(forces, curves.gaps, strict=True):
@@ -198,13 +205,17 @@ def _draw_gaps(
 
 
 def _set_height(ax: Axes) -> None:
-    """Set the limits of an Axes about its curves and 0, with room for words above."""
+    """Set the vertical limits so that they include all curves and 0.
+
+    There is room for words above the curves. If all values are 0, the limits are 0 and
+    1, with one tick at 0.
+    """
     low = min(0.0, ax.dataLim.y0)
     high = HEADROOM * max(0.0, ax.dataLim.y1)
     if high == 0 and low == 0:  # a value that is 0 throughout has no scale
         high = 1.0
         ax.set_yticks([0])
-    elif high == 0:
+    elif high == 0:  # no value is positive: a tenth of the range is left above 0
         high = -0.1 * low
     ax.set_ylim(1.1 * low, high)
 
@@ -212,10 +223,11 @@ def _set_height(ax: Axes) -> None:
 def _mark_ends(
     solution: Solution, curves: "ContactCurves", force_ax: Axes, gap_ax: Axes
 ) -> list[Annotation]:
-    """Mark when the force ends and the gap opens, in up to three episodes.
+    """Mark when the force ends and the gap opens in each episode of the first contact.
 
-    Each time has a dotted line in both Axes, and a caption in one; a contact with more
-    episodes has no marks.
+    Each time has a dotted line in both Axes. Its caption is in the Axes of the force or
+    of the gap, one line lower for each later episode. The captions are returned. A
+    contact with more than `MAX_MARKED_EPISODES` has no marks.
     """
     episodes = curves.histories[0].episodes
     if len(episodes) > MAX_MARKED_EPISODES:
@@ -227,7 +239,7 @@ def _mark_ends(
             (force_ax, episode.force_end, "force ends"),
             (gap_ax, episode.opening, "gap opens"),
         ):
-            if not t < np.inf:  # NaN or inf: it does not end in this run
+            if not t < np.inf:  # NaN or inf: the event is not in this run
                 continue
             x = t * curves.time.factor
             for each in (force_ax, gap_ax):
@@ -243,16 +255,18 @@ def _mark_ends(
 
 
 def _write_caption(ax: Axes, x: float, caption: str, line: int) -> Annotation:
-    """Write a caption beside a line at x, on the side with more room, inside the Axes.
+    """Write a caption beside the upright line at x, on the side with more room.
 
-    `line` counts the captions above it.
+    A caption without room on either side crosses the line, and stays inside the Axes.
+    `line` is the number of captions above it.
     """
     low, high = ax.get_xlim()
     width = size_in_points(ax)[0]
+    # Points from the line at x to the right and to the left side of the Axes
     to_right = (high - x) / (high - low) * width
     to_left = width - to_right
     needed = text_width(caption, SMALL + 1) + CAPTION_GAP
-    shift = CAPTION_GAP
+    shift = CAPTION_GAP  # points from the line to the side of the caption named `side`
     side = "left"
     if to_left > to_right:
         shift = -CAPTION_GAP
@@ -288,11 +302,17 @@ class ContactCurves:
     Attributes
     ----------
     histories : list of ContactHistory
+    names : list of str
+        Such as "contact 1-2".
     forces : list of StepCurve
         N, over s.
     gaps : list of GapCurve
-    time, scale : Scale
-        Of times and forces; its name says so if some forces are means over a time.
+    time : Scale
+        Of times.
+    scale : Scale
+        Of forces; its name says so if some forces are means over a time.
+    largest : float
+        Largest absolute force of all contacts, N.
     """
 
     def __init__(self, solution: Solution, contacts: Sequence[int]) -> None:
@@ -312,11 +332,12 @@ class ContactCurves:
         for history in self.histories:
             if _has_impacts(history):
                 force = self._mean_force(history)
-                # The step of a grid, if it is longer
+                # A grid has spread the impact over its own step, which may be longer.
                 step = max(solution.fields.step, self.end / INTERVALS)
                 mean = f",\nmean over {quantity_text(step, 's')}"
             else:
                 times, values, _ = history.breakpoints()
+                # A force constant between its times has one coefficient each.
                 is_smooth = history.push.coefficient_count > 1
                 force = steps_until(self.end, times, values, is_smooth)
             gap = history.gap(force.edges)  # linear between these times
@@ -328,7 +349,8 @@ class ContactCurves:
         for force in self.forces:
             self.largest = max(self.largest, largest_of(force.values))
         name = "contact force"
-        if len(contacts) == 1 < len(solution.contacts):
+        is_one_of_several = len(contacts) == 1 and len(solution.contacts) > 1
+        if is_one_of_several:
             name = f"force at {self.names[0]}"
         self.scale = engineering(f"{name}{mean}", self.largest, "N")
 
@@ -339,17 +361,18 @@ class ContactCurves:
         return StepCurve(impulse / np.diff(edges), edges)
 
     def gap_scale(self) -> Scale:
-        """Scale of the gaps.
+        """Scale of the gaps, with the name of the axis.
 
-        Its name says that negative gaps of compliant contacts are overlaps, and that
-        gaps of joints are stretches.
+        The name is "gap". It says that negative gaps are overlaps if there are any at
+        compliant contacts, and that gaps of joints are stretches.
         """
         gaps = np.concatenate([gap.values for gap in self.gaps])
         low = float(gaps.min())
         high = float(gaps.max())
         laws = {type(history.law) for history in self.histories}
+        has_compliant_contact = not laws <= {Rigid, Bonded, Joint}
         name = "gap"
-        if low < 0 and not laws <= {Rigid, Bonded, Joint}:
+        if low < 0 and has_compliant_contact:
             name = "gap, below 0\noverlap"
         if laws == {Joint}:
             name = "stretch"
@@ -358,7 +381,11 @@ class ContactCurves:
         return engineering(name, max(-low, high), "m")
 
     def draw(self, ax: Axes, is_upward: bool = False) -> list[StepPatch]:
-        """Draw the forces together, against time to the right or upward."""
+        """Draw the forces together, against time to the right or upward.
+
+        Each has a colour and dashes of its own, and its name for a legend; the filled
+        curves are returned.
+        """
         series = colours().series
         steps = []
         for i, force in enumerate(self.forces):
@@ -385,7 +412,10 @@ class ContactCurves:
         largest force.
         """
         series = colours().series
-        factor = ROW_FILL / (self.largest or 1.0)
+        largest = self.largest
+        if largest == 0:
+            largest = 1.0
+        factor = ROW_FILL / largest  # rows for one newton
         for row, force in enumerate(self.forces):
             colour = series[row % len(series)]
             ax.stairs(
@@ -413,6 +443,9 @@ class ContactCurves:
 
 
 def _has_impacts(history: ContactHistory) -> bool:
-    """Whether a contact is one of rigid masses, whose impacts take no time."""
+    """Whether a contact is of rigid bodies with a given restitution.
+
+    Their impacts take no time.
+    """
     law = history.law
     return isinstance(law, Rigid) and law.restitution is not None

@@ -36,9 +36,10 @@ def text_width(text: str, size: float = NORMAL, letter: float = LETTER) -> float
 
 
 def break_label(label: str, room: float) -> str:
-    """A label broken after commas and before units, in lines of so many points.
+    """A label broken into lines at most `room` points long.
 
-    Parts that are longer are broken between words.
+    It is broken after commas and before units; a part that is still too long is broken
+    between words.
     """
     first, *parts = re.split(r"(?<=,) | (?=\()", label)  # spaces after , and before (
     lines = [first]
@@ -55,7 +56,10 @@ def break_label(label: str, room: float) -> str:
 
 
 def wrap_words(text: str, room: float, size: float = NORMAL) -> str:
-    """A text broken between words, in lines of so many points."""
+    """A text broken between words into lines at most `room` points long.
+
+    A single longer word is not broken. `size` is the height of the letters, points.
+    """
     letters = max(1, int(room / (LETTER * size)))
     return "\n".join(wrap(text, letters, break_long_words=False))
 
@@ -63,15 +67,17 @@ def wrap_words(text: str, room: float, size: float = NORMAL) -> str:
 def rod_labels(
     system: System, rods: Sequence[int], centres: Sequence[float], size: float
 ) -> list[str]:
-    """Labels of rods in a row: names, else symbols of their lengths, "" without room.
+    """Labels of rods in a row: their names if all have room, else symbols of lengths.
+
+    A symbol that has no room beside those to its left is replaced by "".
 
     Parameters
     ----------
     system : System
     rods : sequence of int
-        Bodies that are rods, from left to right.
+        Indices of the bodies that are rods, from left to right.
     centres : sequence of float
-        Of their labels, points.
+        Centres of the labels, points.
     size : float
         Height of the letters, points.
     """
@@ -88,12 +94,13 @@ def rod_labels(
 def with_room(
     texts: Sequence[str], centres: Sequence[float], widths: Sequence[float], gap: float
 ) -> list[str]:
-    """Texts in a row, from left to right; "" in place of those too near to one before.
+    """Texts in a row, from left to right, with "" in place of texts without room.
 
-    Those that stay have a gap between them. All lengths are in one unit.
+    The first text stays. A later one stays if at least `gap` is free between it and the
+    text to its left that stays. All lengths are in one unit.
     """
     shown = []
-    free_from = -np.inf
+    free_from = -np.inf  # the next text must begin here or farther to the right
     for text, centre, width in zip(texts, centres, widths, strict=True):
         if centre - width / 2 >= free_from:
             shown.append(text)
@@ -104,35 +111,40 @@ def with_room(
 
 
 def have_room(centres: Sequence[float], widths: Sequence[float], gap: float) -> bool:
-    """Whether texts in a row, from left to right, keep a gap between neighbours."""
+    """Whether at least `gap` is free between all neighbours of texts in a row.
+
+    The texts are in order from left to right.
+    """
     for k in range(1, len(centres)):
-        free = centres[k] - centres[k - 1] - (widths[k] + widths[k - 1]) / 2
+        distance = centres[k] - centres[k - 1]
+        free = distance - (widths[k] + widths[k - 1]) / 2
         if free < gap:
             return False
     return True
 
 
 def spread_apart(centres: Sequence[float], widths: Sequence[float]) -> list[float]:
-    """Centres of texts in a row, moved as little as possible so that none overlap.
+    """New centres of texts in a row, moved as little as possible so that none overlap.
 
-    The centres are in order. Texts that overlap form a group that touches; a group
-    keeps the mean of its centres.
+    The centres are given and returned in order. Texts that would overlap form a group
+    in which neighbours touch; the mean of the centres in a group stays the same.
     """
-    groups: list[list[int]] = []
+    groups: list[list[int]] = []  # indices of texts
     starts: list[float] = []  # left end of each group
 
     def left_end(group: list[int]) -> float:
-        """Mean of the left ends that the group would need for each of its texts."""
-        offset = 0.0
-        ends = []
+        """Left end of the group at which the mean of its centres stays the same."""
+        offset = 0.0  # width of the texts before text k
+        wanted_ends = []  # left end of the group at which text k would not move
         for k in group:
-            ends.append(centres[k] - widths[k] / 2 - offset)
+            wanted_ends.append(centres[k] - widths[k] / 2 - offset)
             offset += widths[k]
-        return float(np.mean(ends))
+        return float(np.mean(wanted_ends))
 
     for k in range(len(centres)):
         groups.append([k])
         starts.append(left_end([k]))
+        # The new group may overlap the one before it, and both together the next one.
         while len(groups) > 1:
             end_before = starts[-2] + sum(widths[i] for i in groups[-2])
             if end_before <= starts[-1]:
@@ -154,16 +166,16 @@ def spread_apart(centres: Sequence[float], widths: Sequence[float]) -> list[floa
 def legend_above(
     ax: Axes, artists: Sequence[artist.Artist | None], title: str | None = None
 ) -> None:
-    """Name artists above an Axes in a legend, in as many columns as it has room for.
+    """Draw a legend of artists above an Axes, in as many columns as have room.
 
-    Entries that are None are left out; without any there is no legend.
+    Artists that are None are left out; without any artist no legend is drawn.
     """
     named = [each for each in artists if each is not None]
     if not named:
         return
     letters = [len(str(each.get_label())) for each in named]
     width = ax.get_window_extent().width * 72 / ax.figure.dpi
-    room = LEGEND_OVERHANG * width / (LETTER * SMALL)  # letters
+    room = LEGEND_OVERHANG * width / (LETTER * SMALL)  # number of letters in a line
     ax.legend(
         handles=named,
         loc="lower left",
@@ -181,9 +193,12 @@ def legend_above(
 
 
 def _legend_columns(letters: Sequence[int], room: float) -> int:
-    """Largest number of columns of names that fit into so many letters."""
+    """Largest number of columns in which a legend is less than `room` letters wide.
+
+    `letters` has the number of letters of each name. It is 1 if no number fits.
+    """
     for count in range(len(letters), 1, -1):
-        width = 0
+        width = 0  # of all columns, letters
         for column in np.array_split(letters, count):
             width += max(column) + LEGEND_HANDLE
         if width < room:

@@ -45,11 +45,11 @@ class RowEnd(NamedTuple):
 
 
 class SpringPath(NamedTuple):
-    """A contact with a spring, and the two ends of the spring at times."""
+    """A contact with a spring, and the two ends of the spring over time."""
 
     contact: ContactHistory
-    start: Floats
-    stop: Floats
+    start: Floats  # X of the left end [time], m
+    stop: Floats  # X of the right end
 
 
 @dataclass(frozen=True)
@@ -112,12 +112,15 @@ class PictureLayout:
         return left, left + lengths[body]
 
     def walls(self) -> list[RowEnd]:
-        """Ends of walls, drawn behind their faces, and fixed ends."""
+        """Faces behind which a wall is drawn: faces of walls, and fixed ends.
+
+        `is_right` says that the wall is drawn to the right of the face.
+        """
         bodies = self.solution.system.bodies
         faces = []
         for i, body in enumerate(bodies):
             if isinstance(body, Wall):
-                is_right = i > 0  # a wall stands at an end of the row
+                is_right = i > 0  # a wall is the first or the last body
                 faces.append(RowEnd(i, is_right))
         left, right = self.solution.system.ends
         if isinstance(left, Fixed):
@@ -135,59 +138,68 @@ class PictureLayout:
         """Position X, m, of points of a body, x m from its left end, at t, s.
 
         Displacements are magnified and seen from the frame, see `position`. Before t =
-        0 bodies come as they are at t = 0, with their velocity.
+        0 a body has the state of t = 0 and moves at its initial velocity. A rigid mass
+        moves as one: `x` is then a position in its block.
         """
         velocity = self.solution.outcome.velocities_before[body]
         approach = np.minimum(t, 0.0) * velocity
         displaced_x = x
         if not isinstance(self.solution.system.bodies[body], Rod):
-            displaced_x = np.zeros_like(x)  # the block of a mass moves as one
+            displaced_x = np.zeros_like(x)  # a mass has the one displacement at x = 0
         displacement = self.solution.displacement(body, displaced_x, np.maximum(t, 0.0))
         return self.position(body, x, t, displacement + approach)
 
     def end(self, body: int, is_right: bool, t: ArrayLike) -> Floats:
-        """Position X of the left or right end of a body at t."""
+        """Position X, m, of the left or right end of a body at t, s."""
         x = 0.0
         if is_right:
             x = self.widths[body]
         return self.point(body, x, t)
 
     def middle(self, body: int, t: ArrayLike) -> Floats:
-        """Position X half-way between the ends of a body at t."""
+        """Position X, m, half-way between the ends of a body at t, s."""
         left = self.end(body, is_right=False, t=t)
         right = self.end(body, is_right=True, t=t)
         return (left + right) / 2
 
     def centre(self, body: int, t: Floats) -> Floats:
-        """Position X of the centre of mass of a rod at t [n], from its pieces."""
+        """Position X [time], m, of the centre of mass of a rod at times t, s.
+
+        It is the mean position of the pieces of the rod, weighted by their masses.
+        """
         edges = pieces(self.solution, body)
         x = middles(edges)
         area, _, density = properties(self.solution, body, x)
         mass = density * area * np.diff(edges)
         share: Floats = mass / mass.sum()
-        return share @ self.point(body, x[:, None], t)
+        positions = self.point(body, x[:, None], t)  # [piece, time]
+        return share @ positions
 
     def springs(self, times: Floats) -> list[SpringPath]:
-        """Ends of springs at times; an open contact leaves a spring its free length.
+        """Both ends of the spring of each contact over time.
 
-        A joint keeps its spring stretched. Contacts without a spring are left out.
+        While a contact is open, its spring has its free length and stays at the left
+        body. The spring of a joint always joins both bodies. Contacts without a spring
+        are left out.
         """
         paths = []
         for i, contact in enumerate(self.solution.contacts):
-            if not self.spring_lengths[i]:
+            free_length = self.spring_lengths[i]
+            if free_length == 0:
                 continue
             left = self.end(i, is_right=True, t=times)
             right = self.end(i + 1, is_right=False, t=times)
             if contact.law.opens:
-                right = np.minimum(right, left + self.spring_lengths[i])
+                right = np.minimum(right, left + free_length)
             paths.append(SpringPath(contact, left, right))
         return paths
 
     def label(self, x: Scale, room: float) -> str:
-        """Label of the axis of x, broken into lines of so many points.
+        """Label of the axis of x, broken into lines at most `room` points long.
 
-        It names what the picture does to the row: material coordinates or moving frame,
-        widths of masses, long springs, magnification.
+        `x` is the scale of the axis. The label names what the picture does to the row:
+        material coordinates or moving frame, widths of masses, long springs,
+        magnification.
         """
         label = x.label
         if not self.magnification:
@@ -213,17 +225,21 @@ def choose_layout(
     magnification: float | None = None,
     still: bool = False,
 ) -> PictureLayout:
-    """Choose frame and magnification, 1, 2 or 5 times a power of ten, for an interval.
+    """Layout of the row for an interval of time, with its frame and magnification.
+
+    The magnification is 1, 2 or 5 times a power of ten, see `magnified`. The frame
+    moves only if the row drifts much farther than its bodies move against each other.
 
     Parameters
     ----------
     solution : Solution
     start, stop : float
-        s.
+        Interval of time, s.
     magnification : float, optional
         To be used instead of the automatic one.
     still : bool
-        Whether bodies stay in the undeformed row.
+        Whether bodies stay where they are in the undeformed row: the magnification is
+        then 0.
 
     Raises
     ------
@@ -240,6 +256,7 @@ def choose_layout(
     times = np.linspace(start, stop, TIMES_OF_MOTION)
     displacements = _motion_of_ends(solution, initial_offsets, times)
     reference_velocity = _reference_velocity(solution)
+    # Range of all displacements, m: in the frame of the reference velocity, and at rest
     relative_reach = float(np.ptp(displacements - reference_velocity * times))
     reach = float(np.ptp(displacements))
 
@@ -262,17 +279,18 @@ def choose_layout(
     is_mass = np.array([isinstance(b, RigidMass) for b in solution.system.bodies])
     mass_width = 0.0
     if is_mass.any():
-        mass_width = round_down(BLOCK * row_length)
+        mass_width = round_down(BLOCK * row_length)  # the axis label has a round number
     widths = np.where(is_mass, mass_width, lengths)
-    masses_to_the_left = np.cumsum(is_mass) - is_mass
+    masses_to_the_left = np.cumsum(is_mass) - is_mass  # of each body, without itself
     left = material_starts + mass_width * masses_to_the_left
-    shortest = MIN_SPRING_LENGTH * (left[-1] + widths[-1])
+    length_without_springs = left[-1] + widths[-1]
+    shortest = MIN_SPRING_LENGTH * length_without_springs
     times = np.linspace(start, stop, TIMES_OF_OVERLAP)
     spring_lengths = _spring_lengths(solution, times, magnification, shortest)
-    left = left + np.cumsum([0.0, *spring_lengths])
+    left = left + np.cumsum([0.0, *spring_lengths])  # springs to the left of each body
     rods = rods_of(solution.system)
     if rods:
-        left = left - left[rods[0]]
+        left = left - left[rods[0]]  # the first rod begins at X = 0
     return PictureLayout(
         solution=solution,
         magnification=magnification,
@@ -299,9 +317,9 @@ def _lengths(solution: Solution) -> list[float]:
 def _motion_of_ends(
     solution: Solution, initial_offsets: Floats, times: Floats
 ) -> Floats:
-    """Displacement of both ends of each body from the unstrained row without gaps, m.
+    """Displacements [end, time] of both ends of each body, m, the left end first.
 
-    [end, time]: left and right end of each body in turn.
+    They are displacements from the unstrained row without gaps.
     """
     moved = []
     for body, length in enumerate(_lengths(solution)):
@@ -311,9 +329,10 @@ def _motion_of_ends(
 
 
 def _reference_velocity(solution: Solution) -> float:
-    """Velocity of the smallest magnitude, m/s: of walls and held ends, else of bodies.
+    """Velocity of smallest magnitude among walls and held ends, m/s.
 
-    A held end, fixed or driven at a velocity, counts with the velocity 0.
+    A held end, fixed or driven at a velocity, counts with the velocity 0. Without walls
+    and held ends it is the initial velocity of smallest magnitude among the bodies.
     """
     velocities = []
     for body in solution.system.bodies:
@@ -341,11 +360,11 @@ def _largest_strain(solution: Solution, times: Floats) -> float:
 def _spring_lengths(
     solution: Solution, times: Floats, magnification: float, shortest: float
 ) -> Floats:
-    """Length of the spring at each contact before it is pressed, m.
+    """Free length in the picture of the spring at each contact, m.
 
-    It is long enough that the largest overlap, magnified, leaves the length `shortest`.
-    It is 0 where no spring is drawn: at rigid contacts and bonds, and everywhere if
-    displacements are not magnified.
+    It is `shortest` plus the largest magnified overlap at the times, so that a pressed
+    spring is never shorter than `shortest`. It is 0 where no spring is drawn: at rigid
+    contacts and bonds, and everywhere if displacements are not magnified.
     """
     lengths = np.zeros(len(solution.contacts))
     if magnification <= 1:  # true to scale, or at rest: no spring is drawn
@@ -353,6 +372,6 @@ def _spring_lengths(
     for contact in solution.contacts:
         if not isinstance(contact.law, Rigid | Bonded):
             least_gap = float(np.min(contact.gap(times)))
-            overlap = max(0.0, -least_gap)
+            overlap = max(0.0, -least_gap)  # a negative gap is an overlap
             lengths[contact.index] = shortest + magnification * overlap
     return lengths

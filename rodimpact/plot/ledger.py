@@ -29,12 +29,12 @@ from .scales import (
 )
 from .style import INK, SMALL, styled
 
-TIMES_WITH_RODS = 301  # energies bend like parabolas where a force acts
-TIMES_OF_PANEL = 61  # in the low panel of an overview, where this does not show
-TIMES_OF_MASSES = 401  # the same where no rod vibrates, and contacts are short
+TIMES_WITH_RODS = 301  # many, because energies are curved where a force acts
+TIMES_OF_PANEL = 61  # in the low panel of an overview, which does not show this
+TIMES_OF_MASSES = 401  # without rods, whose contacts are short
 MAX_EVENTS = 6  # events of contacts that are sampled too
 MAX_REGIONS = 500  # regions whose corners are sampled too
-NAME_PLACES = 60  # places tried for the name of a band
+NAME_POSITIONS = 60  # positions tried for the name of a band
 BANDS = {
     "kinetic": "#53659f",
     "vibrational_kinetic": "#f0dc78",
@@ -61,10 +61,10 @@ class _Energies(NamedTuple):
     """Energies over time, J, in the frame of the picture."""
 
     times: Floats  # s
-    frame: float  # m/s
-    bands: dict[str, Floats]  # entries of the ledger with a visible part
-    workers: list[str]  # what works on the row
-    supplied: Floats  # initial energy and all work since
+    frame: float  # velocity of the frame, m/s
+    bands: dict[str, Floats]  # visible entries of the ledger [time], by name
+    workers: list[str]  # what does work on the row, in words
+    supplied: Floats  # initial energy plus all work until each time
     total: float  # largest sum of the bands
 
 
@@ -112,7 +112,7 @@ def energy(solution: Solution, ax: Axes | None = None) -> Picture:
 def draft_energy(solution: Solution, ax: Axes | None, count: int) -> Draft:
     """Draft of `energy`: the bands and the line of work, without names in the bands.
 
-    Energies of rods are measured at `count` even times, and at events.
+    If the row has rods, energies are measured at `count` even times, and at events.
     """
     check_solution(solution)
     ax = axes_or_new(ax, width=5.6, height=3.2)
@@ -137,11 +137,13 @@ def draft_energy(solution: Solution, ax: Axes | None, count: int) -> Draft:
     if energies.frame:
         frame = f" in a frame moving at {quantity_text(energies.frame, 'm/s')}"
     top = 1.08 * max(energies.total, float(energies.supplied.max())) * scale.factor
+    if top <= 0:  # there is no energy at all
+        top = 1.0
     format_axes(
         ax,
         xlim=(0, solution.t_end * time.factor),
         xlabel=time.label,
-        ylim=(0, top if top > 0 else 1.0),
+        ylim=(0, top),
         ylabel=f"{scale.name}{frame} ({scale.unit})",
     )
     work = None
@@ -155,22 +157,29 @@ def draft_energy(solution: Solution, ax: Axes | None, count: int) -> Draft:
             label=f"initial energy and work of {joined_by_and(energies.workers)}",
         )
     picture = Picture(ax=ax, bands=bands, labels=[], work=work)
-    start = np.zeros((1, x.size))
-    borders = np.cumsum(np.concatenate([start, heights]), axis=0) * scale.factor
+    zero = np.zeros((1, x.size))
+    # [band + 1, time]: band k lies between the borders k and k + 1
+    borders = np.cumsum(np.concatenate([zero, heights]), axis=0) * scale.factor
 
     def write_words() -> None:
-        """Write names into the bands; those without room for it go to the legend."""
-        nameless: list[artist.Artist | None] = [work]
+        """Write names into the bands; bands without room for it go to the legend.
+
+        A band that is too thin to be seen has no name at all.
+        """
+        in_legend: list[artist.Artist | None] = [work]
         for band, curves in zip(bands, pairwise(borders), strict=True):
-            color = "white" if band is bands[0] else INK
+            color = INK
+            if band is bands[0]:  # this band is dark
+                color = "white"
             label = str(band.get_label())
             name = _name_band(ax, label, x, curves, color)
             low, high = curves
+            is_visible = (high - low).max() > NEGLIGIBLE_RTOL * borders.max()
             if name is not None:
                 picture.labels.append(name)
-            elif (high - low).max() > NEGLIGIBLE_RTOL * borders.max():
-                nameless.append(band)
-        legend_above(ax, nameless)
+            elif is_visible:
+                in_legend.append(band)
+        legend_above(ax, in_legend)
 
     return Draft(picture, write_words)
 
@@ -178,9 +187,9 @@ def draft_energy(solution: Solution, ax: Axes | None, count: int) -> Draft:
 def _energies(solution: Solution, count: int) -> _Energies:
     """Energies of a solution, in the frame in which `spacetime` draws the row.
 
-    `count` is as for `draft_energy`.
-
-    Bands that are nowhere visible are left out, and so are works that never change.
+    They are measured at `count` even times, and at events. Bands that are visible
+    nowhere are left out, except those of `ALWAYS_SHOWN`; `workers` leaves out works
+    that do not change.
     """
     times = _times(solution, count)
     frame = choose_layout(solution, start=0.0, stop=solution.t_end).frame
@@ -192,6 +201,7 @@ def _energies(solution: Solution, count: int) -> _Energies:
     work = np.sum(list(works.values()), axis=0)
     supplied: Floats = np.asarray(ledger.total[0] - drift + work)
 
+    # Bands are stacked, which negative parts do not allow.
     parts = {entry: np.maximum(part, 0.0) for entry, part in entries.items()}
     total = float(sum(parts.values()).max())
     bands = {
@@ -207,10 +217,10 @@ def _energies(solution: Solution, count: int) -> _Energies:
 
 
 def _energy_of_drift(solution: Solution, frame: float, times: Floats) -> Floats:
-    """Kinetic energy that a row has more at rest than in a moving frame, J, over time.
+    """Kinetic energy at rest minus kinetic energy in a moving frame, J, over time.
 
-    It is v (P - M v/2), with the velocity v of the frame, momentum P and mass M of all
-    bodies that can move.
+    It is v (P - M v/2), with the velocity v of the frame, the momentum P and the mass M
+    of all bodies that can move.
     """
     bodies = movable(solution.system)
     masses = solution.outcome.masses
@@ -223,19 +233,22 @@ def _energy_of_drift(solution: Solution, frame: float, times: Floats) -> Floats:
 
 
 def _works(ledger: EnergyLedger) -> dict[str, Floats]:
-    """Work on the row over time, J, by the name of what works, also if it is 0."""
+    """Work done on the row until each time, J, by the name of what does the work.
+
+    The names are the words of `WORKS`, and `ENTERING_WAVES`; works of 0 are included.
+    """
     works = {name: getattr(ledger, entry) for entry, name in WORKS.items()}
-    # Waves that bring in more than leaves make the radiated energy negative.
+    # Radiated energy is negative if waves bring in more energy than has left.
     works[ENTERING_WAVES] = np.maximum(-ledger.radiated, 0.0)
     return works
 
 
 def _times(solution: Solution, count: int) -> Floats:
-    """Times, s, at which energies are measured: even ones and events, in order.
+    """Times, s, at which energies are measured: even times and events, in order.
 
-    There are `count` even ones, more without rods, whose contacts are short.
-    Events are the times at which waves meet or are reflected, unless they are too many;
-    else the first events at the contacts.
+    There are `count` even times, or `TIMES_OF_MASSES` if there are no rods. The events
+    are all times at which waves meet or are reflected. If the solution is smooth or has
+    more than `MAX_REGIONS` regions, they are the first `MAX_EVENTS` events at contacts.
     """
     events: Floats = np.array(contact_event_times(solution)[:MAX_EVENTS])
     if not is_smooth(solution):
@@ -250,16 +263,19 @@ def _times(solution: Solution, count: int) -> Floats:
 def _name_band(
     ax: Axes, name: str, x: Floats, band: tuple[Floats, Floats], color: str
 ) -> Text | None:
-    """Write a name into the roomiest place between the two curves of a band.
+    """Write a name into the band between its two curves, where it is highest.
 
-    None if no place is high enough.
+    `x` are the times and `band` the lower and the upper curve, in units of the axes.
+    The name is tried at `NAME_POSITIONS` positions along the band. If the band is
+    nowhere high enough for it, nothing is written, and None is returned.
     """
     low, high = band
     per_point = units_per_point(ax)
+    # Size of the name with its margins, in units of the axes
     width = 0.6 * SMALL * (len(name) + 1) * per_point[0]
     height = 1.5 * SMALL * per_point[1]
-    centres = np.linspace(width / 2, float(x[-1]) - width / 2, NAME_PLACES)
-    # [place, time]: whether a time lies under the name. Over these times the band is
+    centres = np.linspace(width / 2, float(x[-1]) - width / 2, NAME_POSITIONS)
+    # [position, time]: whether the name covers a time. Over these times the band is
     # free between the highest point of its lower curve and the lowest of its upper one.
     is_under = np.abs(x - centres[:, None]) <= width / 2
     floor = np.where(is_under, low, -np.inf).max(axis=1)

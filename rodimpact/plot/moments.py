@@ -13,23 +13,25 @@ from ..results.solution import Solution
 from .labels import length_name
 from .sampling import evenly, is_smooth
 
-MIN_MOMENTS = 3  # moments of a solution in which nothing stands out
-MIN_SPACING = 0.5  # least time between events on a time step, in even spacings
-SHORTEST_WAIT = 0.75  # least wait that is halved, in waits between reflections
-MAX_NAMED_TRIPS = 9  # whole round trips that are named
-ROUND_TRIP_RTOL = 1e-6
+MIN_MOMENTS = 3  # moments of a solution without events and reflections
+MIN_SPACING = 0.5  # least time between events of a smooth solution, in even spacings
+SHORTEST_WAIT = 0.75  # least interval that is halved, in intervals between reflections
+MAX_NAMED_TRIPS = 9  # largest number of whole round trips that is named
+ROUND_TRIP_RTOL = 1e-6  # relative difference from whole round trips that counts as none
 
 
 def moments(solution: Solution, at_most: int = 8) -> Floats:
-    """Instructive times, s, at most `at_most` of them.
+    """Instructive times of a solution, s, in order; at most `at_most` of them.
 
-    The times are the start and the end, each beginning and end of a force, each opening
-    of a gap, waves half-way to their first reflection, and reflections while contacts
-    last, the first at each end of a rod before others. The middles of the longest
-    intervals are added. Solutions with a time step have no reflections. Of too many
-    events the first and the last are among the times, see `n_hidden_events`.
+    They are chosen in this order until there are enough: the start and the end; the
+    events at contacts, which are beginnings and ends of forces and openings of gaps; an
+    instant half-way to the first reflection of a wave; the first reflection at each end
+    of a segment; other reflections while contacts last; and middles of the longest
+    intervals. Of too many events some are chosen evenly, with the first and the last,
+    see `n_hidden_events`. Smooth solutions have no reflections.
     """
-    # Interesting is what happens from the first event to the last: [first, last].
+    # The interesting interval [first, last] is that from the first event to the last,
+    # or to the end if a contact is still closed.
     events: Floats = np.unique(contact_event_times(solution))
     first = 0.0
     last = solution.t_end
@@ -39,34 +41,37 @@ def moments(solution: Solution, at_most: int = 8) -> Floats:
             last = float(events[-1])
 
     reflections = _Reflections(solution, last)
-    if is_smooth(solution):  # events on neighbouring time steps are one to the eye
+    if is_smooth(solution):  # events on neighbouring time steps look like one
         least = MIN_SPACING * (last - first) / at_most
+        # The first event always stays: the one before it counts as infinitely early.
         events = events[np.diff(events, prepend=-np.inf) >= least]
     if not events.size and not reflections.all.size:
         at_most = MIN_MOMENTS
 
     ends = np.array([0.0, solution.t_end])
-    n_places = at_most - np.setdiff1d(ends, events).size
-    chosen = np.union1d(events[evenly(events.size, n_places)], ends)
-    after = reflections.all[reflections.all > first]
-    if after.size and chosen.size < at_most:  # waves half-way to their first reflection
-        chosen = np.union1d(chosen, (first + after[0]) / 2)
+    n_events = at_most - np.setdiff1d(ends, events).size  # events for which is room
+    chosen = np.union1d(events[evenly(events.size, n_events)], ends)
+    after_first = reflections.all[reflections.all > first]
+    if after_first.size and chosen.size < at_most:
+        half_way = (first + after_first[0]) / 2  # to the first reflection
+        chosen = np.union1d(chosen, half_way)
     for candidates in (reflections.first, reflections.all):
         new = np.setdiff1d(candidates, chosen)
         new = new[evenly(new.size, at_most - chosen.size)]
         chosen = np.union1d(chosen, new)
     shortest = 0.0
-    if after.size:
-        waits = np.diff(np.union1d(first, after))
-        shortest = SHORTEST_WAIT * float(waits.min(initial=np.inf))
+    if after_first.size:
+        intervals = np.diff(np.union1d(first, after_first))
+        shortest = SHORTEST_WAIT * float(intervals.min(initial=np.inf))
     return _with_middles(chosen, (first, last), shortest, at_most)
 
 
 def n_hidden_events(solution: Solution, times: Floats) -> int:
-    """Number of times of events at the contacts that are not among `times`, s.
+    """Number of instants of events at the contacts that are not among `times`, s.
 
-    Of a solution with a time step, an event counts as shown if one of the times is
-    close to it, as `moments` takes events on neighbouring time steps for one.
+    Events at one instant count once. In a smooth solution an event counts as shown also
+    if one of the times is close to it, because `moments` takes events on neighbouring
+    time steps for one. The result is 0 without events.
     """
     events = np.unique(contact_event_times(solution))
     if not events.size:
@@ -81,35 +86,41 @@ def n_hidden_events(solution: Solution, times: Floats) -> int:
 class _Reflections:
     """Times, s, up to `last` at which a changed wave leaves an end of a segment.
 
+    Time 0 is left out.
+
     Attributes
     ----------
-    all, first : array
-        All times, and the first at each end of a segment.
+    all : array
+        All these times, in order, each once.
+    first : array
+        The first time at each end of a segment, in order, each once.
     """
 
     def __init__(self, solution: Solution, last: float) -> None:
         """Take the times from the ticks of all waves; none from a smooth solution."""
-        every = [np.empty(0)]
+        every = [np.empty(0)]  # NumPy does not concatenate an empty list
         first = []
         if not is_smooth(solution):
             fields: Any = solution.fields
+            # A line holds the waves that leave one end of a segment.
             for line in fields.motion.lines:
                 if line is None:
                     continue
                 times = np.asarray(line.ticks) * fields.clock.tick
                 times = times[(times > 0) & (times <= last)]
                 every.append(times)
-                first.extend(times[:1])
+                first.extend(times[:1])  # nothing if there are no times
         self.all = np.unique(np.concatenate(every))
         self.first = np.unique(np.array(first, dtype=float))
 
 
 def _is_closed_at_the_end(solution: Solution) -> bool:
-    """Whether a contact is still closed when the solution ends."""
+    """Whether any contact is still closed when the solution ends."""
     for contact in solution.contacts:
         if not contact.episodes:
             continue
-        has_opened = contact.episodes[-1].opening <= solution.t_end  # False for NaN
+        # The opening is NaN if the contact has not opened: the comparison is False.
+        has_opened = contact.episodes[-1].opening <= solution.t_end
         if not has_opened:
             return True
     return False
@@ -118,26 +129,27 @@ def _is_closed_at_the_end(solution: Solution) -> bool:
 def _with_middles(
     chosen: Floats, span: tuple[float, float], shortest: float, at_most: int
 ) -> Floats:
-    """Chosen times, with middles of the longest waits until there are enough.
+    """Chosen times with added middles of the longest intervals, `at_most` times in all.
 
-    Only waits inside the span count; none is halved that is no longer than `shortest`.
+    Only intervals inside the span count. Adding ends early if no interval is longer
+    than `shortest`, s.
     """
     first, last = span
     while chosen.size < at_most:
         inside = chosen[(chosen >= first) & (chosen <= last)]
-        waits = np.diff(inside)
-        if waits.max(initial=0.0) <= shortest:
+        intervals = np.diff(inside)
+        if intervals.max(initial=0.0) <= shortest:
             break
-        i = int(waits.argmax())
+        i = int(intervals.argmax())
         chosen = np.union1d(chosen, (inside[i] + inside[i + 1]) / 2)
     return chosen
 
 
 def events_at(solution: Solution, t: float) -> str:
-    """Events at the contacts at time t in words: one line for each contact concerned.
+    """Events at the contacts at time t in words, one line for each contact concerned.
 
-    A line is such as "force ends, gap opens at contact 1-2"; the contact is named only
-    in a row of several.
+    A line is such as "force ends, gap opens at contact 1-2"; a single contact is not
+    named. "" is returned if nothing happens at exactly this time.
     """
     several = len(solution.outcome.unilateral) > 1
     names = contact_names(solution.system.kinds)
@@ -148,8 +160,8 @@ def events_at(solution: Solution, t: float) -> str:
             where = f" at contact {names[contact.index]}"
         for episode in contact.episodes:
             events = []
-            # Moments are copies of these times, so that equal ones are equal to the
-            # last bit. Of a contact without duration only the beginning is told.
+            # Times of `moments` are copies of these times, so that == is exact. A
+            # contact without duration begins and ends at t: only the first is written.
             if t == episode.start:
                 events.append("force begins")
             else:
@@ -163,7 +175,10 @@ def events_at(solution: Solution, t: float) -> str:
 
 
 def contact_event_times(solution: Solution) -> list[float]:
-    """Times at which a contact begins, stops pressing, or opens."""
+    """Times, s, at which any contact begins, stops pressing, or opens.
+
+    They are in the order of the contacts, not sorted; a time may occur several times.
+    """
     times: list[float] = []
     for contact in solution.contacts:
         times += event_times(contact)
@@ -171,10 +186,10 @@ def contact_event_times(solution: Solution) -> list[float]:
 
 
 def event_times(contact: ContactHistory, at_most: int | None = None) -> list[float]:
-    """Times at which one contact begins, stops pressing, or opens.
+    """Times, s, at which a contact begins, stops pressing, or opens, in order.
 
-    They are those of its first episodes, `at_most` of them, by default all; NaN
-    is left out.
+    They are the times of its first `at_most` episodes, by default of all. Events that
+    have not happened, whose times are NaN, are left out.
     """
     times: list[float] = []
     for episode in contact.episodes[:at_most]:
@@ -183,12 +198,13 @@ def event_times(contact: ContactHistory, at_most: int | None = None) -> list[flo
 
 
 def round_trips(solution: Solution) -> dict[float, str]:
-    """Names, 2 l1/c, of times, s, at which a force ends or a gap opens.
+    """Names, such as "2 l1/c", of times, s, at which a force ends or a gap opens.
 
-    They are times after whole round trips of a wave in one of the two rods beside the
-    contact. In a row of more than two rods only the first round trip counts: later
-    waves have crossed other rods too, and lengths that add up would be named by chance.
-    Contacts that do not press from t = 0 on have none.
+    They are times of the first episode of a contact after whole round trips of a wave,
+    at most `MAX_NAMED_TRIPS`, in one of the two uniform rods beside the contact. In a
+    row of more than two rods only the first round trip counts: later waves have crossed
+    other rods too, and their times would agree only by chance. Contacts that do not
+    press from t = 0 on have no names.
     """
     system = solution.system
     max_trips = MAX_NAMED_TRIPS
@@ -205,7 +221,7 @@ def round_trips(solution: Solution) -> dict[float, str]:
     for contact in solution.contacts:
         if not contact.episodes or contact.episodes[0].start != 0:
             continue
-        trips = []
+        trips = []  # count of round trips, time, rod
         for i in (contact.index, contact.index + 1):
             if i not in uniform:
                 continue
@@ -214,11 +230,13 @@ def round_trips(solution: Solution) -> dict[float, str]:
                 count = round(t / trip)
                 if t > 0 and math.isclose(t, trip * count, rel_tol=ROUND_TRIP_RTOL):
                     trips.append((count, t, i))
-        for count, t, i in sorted(trips):  # the fewest round trips name the time
+        # Of several rods with whole round trips, the fewest name the time.
+        for count, t, i in sorted(trips):
             length = length_name(system, i)
             speed = "c"
             if len(materials) > 1:
-                speed = f"c{length[1:]}"
+                subscript = length[1:]
+                speed = f"c{subscript}"
             if count <= max_trips:
-                names.setdefault(t, f"{2 * count} {length}/{speed}")
+                names.setdefault(t, f"{2 * count} {length}/{speed}")  # 2 ways a trip
     return names

@@ -1,8 +1,9 @@
 """Animation: the row above, its growing space-time diagram and contact forces below.
 
-It begins before the contact and names the events at contacts. The Axes of bodies and
-words are drawn again in each frame, over a picture of the others at the end of the
-film, whose later times get the colour of the paper.
+It begins before the contact and names the events at contacts. The diagram and the
+forces are drawn once, complete. In each frame only the bodies and the words are drawn
+anew, and all that lies after the time of the frame is painted in the colour of the
+paper.
 """
 
 import io
@@ -53,8 +54,8 @@ MAX_CONTACTS = 5  # contacts whose forces are shown
 FRAMES_OF_STRAIN = 100  # frames from which the largest strain is taken
 MAX_CAPTION_LINES = 3
 MAX_APPROACH_FRAMES = 0.2  # largest share of the frames before contact
-MAX_APPROACH_WAY = 0.12  # largest part of the row that closes before contact
-APPROACH_MARGIN = 0.02  # room beside bodies that come, in lengths of the row
+MAX_APPROACH_WAY = 0.12  # largest gap that closes before contact, in lengths of the row
+APPROACH_MARGIN = 0.02  # room beside approaching bodies, in lengths of the row
 NOW_LINE = 2  # pixels
 CLOCK_HEIGHT = 19.0  # points, of the line above the caption
 WORDS_BESIDE = 0.2  # width of a caption beside the row, in widths of the film
@@ -63,8 +64,8 @@ MIN_WIDE = 6.0  # inches, width of a film with words beside the row
 MIN_HEIGHT = 5.4  # inches
 
 
-class _Places(NamedTuple):
-    """Places of the panels of a film."""
+class _GridCells(NamedTuple):
+    """Cells of the figure's grid in which the panels of a film stand."""
 
     words: Any
     row: Any
@@ -89,7 +90,11 @@ class Animation:
     def __init__(
         self, layout: PictureLayout, field: str, times: Floats, fps: float
     ) -> None:
-        """Draw all that stays the same in each frame, and keep its pixels."""
+        """Draw all that stays the same in each frame, and keep its pixels.
+
+        Times before 0 show the approach of the bodies; the diagram and the forces begin
+        with the first time that is not negative.
+        """
         solution = layout.solution
         self.fps = fps
         self.title = headline(solution)
@@ -110,11 +115,11 @@ class Animation:
         self._find_captions(solution, start, stop)
         room = 72 * self.figure.get_figwidth()
         self.figure.suptitle(break_label(self.title, room), fontsize=NORMAL + 1)
-        places = self._places()
-        below = self.figure.add_subplot(places.diagram)
+        cells = self._grid_cells()
+        diagram_ax = self.figure.add_subplot(cells.diagram)
         diagram = draft_spacetime(
             solution,
-            below,
+            diagram_ax,
             field,
             start=start,
             stop=stop,
@@ -123,54 +128,63 @@ class Animation:
         )
         self._norm: Any = diagram.picture.regions.norm
         self._factor = diagram.picture.scale.factor
-        self._row = self.figure.add_subplot(places.row, sharex=below, animated=True)
+        # Artists that are "animated" are drawn by `frame`, not with the figure.
+        self._row = self.figure.add_subplot(cells.row, sharex=diagram_ax, animated=True)
         self._row.set(ylim=(-0.6, 0.6), autoscale_on=False)
         self._row.set_axis_off()
+        # The largest strain at about `FRAMES_OF_STRAIN` times sets the thickness of the
+        # bars for the whole film.
         step = 1 + shown.size // FRAMES_OF_STRAIN
         self._bars = Bars(self._row, layout, shown[::step], scales.x)
-        self._show_approach(below, layout)
-        self._words = self.figure.add_subplot(places.words, animated=True)
+        self._show_approach(diagram_ax, layout)
+        self._words = self.figure.add_subplot(cells.words, animated=True)
         self._words.set_axis_off()
         self._write_notes(solution, shown)
         self._clock = self._write_line(below=0.0, size=NORMAL + 4)
         self._caption = self._write_line(below=CLOCK_HEIGHT, size=NORMAL)
-        self._growing = [below]
+        self._growing = [diagram_ax]  # Axes whose later times `frame` hides
         if solution.outcome.unilateral:
-            forces = self.figure.add_subplot(places.forces, sharey=below)
+            forces = self.figure.add_subplot(cells.forces, sharey=diagram_ax)
             _draw_forces(forces, solution)
             self._growing.append(forces)
         lay_out(self.figure)
         diagram.write_words()
         self._canvas = cast("Any", FigureCanvasAgg(self.figure))
         self.figure.draw(self._canvas.get_renderer())
-        self.figure.set_layout_engine("none")
+        self.figure.set_layout_engine("none")  # nothing may move from frame to frame
         self._still = self._canvas.copy_from_bbox(self.figure.bbox)
 
-    def _places(self) -> "_Places":
-        """Places of the panels: words beside the row, or above it in a narrow film."""
+    def _grid_cells(self) -> "_GridCells":
+        """Add a grid to the figure: words beside the row, above it in a narrow film."""
         if self._is_narrow():
             grid = self.figure.add_gridspec(
                 3, 2, height_ratios=(1.0, 0.7, 3.6), width_ratios=(3, 1)
             )
-            return _Places(grid[0, :], grid[1, 0], grid[2, 0], grid[2, 1])
+            return _GridCells(
+                words=grid[0, :], row=grid[1, 0], diagram=grid[2, 0], forces=grid[2, 1]
+            )
         grid = self.figure.add_gridspec(
             2, 2, height_ratios=(1.2, 3.6), width_ratios=(3, 1)
         )
-        return _Places(grid[0, 1], grid[0, 0], grid[1, 0], grid[1, 1])
+        return _GridCells(
+            words=grid[0, 1], row=grid[0, 0], diagram=grid[1, 0], forces=grid[1, 1]
+        )
 
     def _is_narrow(self) -> bool:
-        """Whether words have no room beside the row."""
+        """Whether the film is too narrow for words beside the row."""
         return bool(self.figure.get_figwidth() < MIN_WIDE)
 
     def _find_captions(self, solution: Solution, start: float, stop: float) -> None:
-        """Set the times of events at contacts, and the captions before and after them.
+        """Set `_event_times`, s, and `_captions`, texts of the events at contacts.
 
-        Caption k stands from event k - 1 to event k. A long one is cut.
+        Events from `start` to `stop` count. With n events there are n + 1 captions: the
+        first holds until the first event, each other one from its event to the next. A
+        caption has at most `MAX_CAPTION_LINES` lines.
         """
         times = {t for t in contact_event_times(solution) if start <= t <= stop}
         self._event_times = sorted(times)
         share = WORDS_ABOVE if self._is_narrow() else WORDS_BESIDE
-        room = share * 72 * self.figure.get_figwidth()
+        room = share * 72 * self.figure.get_figwidth()  # points
         first = ""
         if start == 0 and times:
             first = "before contact"
@@ -186,9 +200,9 @@ class Animation:
             self._captions.append(caption)
 
     def _show_approach(self, ax: Axes, layout: PictureLayout) -> None:
-        """Widen the axis of x so that bodies are inside before they touch.
+        """Widen the axis of x so that it includes all bodies in the first frame.
 
-        They come from the left or from the right, and are farthest in the first frame.
+        There they are farthest apart. The axis never becomes shorter.
         """
         left_ends = []
         right_ends = []
@@ -205,14 +219,19 @@ class Animation:
         ax.set_xlim(min(shown_left, left), max(shown_right, right))
 
     def _write_notes(self, solution: Solution, times: Floats) -> None:
-        """Write how slow the film is, what part it shows, and what the bars show."""
+        """Write how slow the film is, what part it shows, and what the bars show.
+
+        The first line is left out for a film that is not slower than the collision, the
+        second for one that shows all of the solution.
+        """
         stop = float(times[-1])
-        seconds = (times.size - 1) / self.fps
+        seconds = (times.size - 1) / self.fps  # duration of the film
         slowness = seconds / (stop - float(times[0]))
         lines = []
         if slowness > 1:
-            rounded = f"{float(f'{slowness:.2g}'):,.0f}"
-            number = rounded.replace(",", "\N{NARROW NO-BREAK SPACE}")
+            two_digits = float(f"{slowness:.2g}")
+            with_commas = f"{two_digits:,.0f}"
+            number = with_commas.replace(",", "\N{NARROW NO-BREAK SPACE}")
             lines.append(f"slowed down {number} times")
         if stop < solution.t_end:
             end = quantity_text(solution.t_end, "s")
@@ -230,13 +249,16 @@ class Animation:
         )
 
     def _write_line(self, below: float, size: float) -> Text:
-        """Add an empty text so many points below the top of the panel of words."""
+        """Add an empty line of text, `below` points below the top of the words' panel.
+
+        `size` is the height of its letters, points.
+        """
         return self._words.annotate(
             "",
-            (0.0, 1.0),
-            (0.0, -below),
-            "axes fraction",
-            "offset points",
+            xy=(0.0, 1.0),
+            xytext=(0.0, -below),
+            xycoords="axes fraction",
+            textcoords="offset points",
             va="top",
             fontsize=size,
             color=self.colours.ink,
@@ -246,37 +268,42 @@ class Animation:
     def frame(self, number: int) -> NDArray[np.uint8]:
         """Picture [height, width, 3] of one frame, red, green and blue from 0 to 255.
 
-        Bodies and words are drawn over the kept pixels, and removed again. What lies
-        after the time of the frame in the growing panels is painted over.
+        Bodies and words are drawn over the kept pixels, and the bodies are removed from
+        the figure again. In the diagram and the forces, times after that of the frame
+        are painted over.
         """
         t = float(self.times[number])
         self._canvas.restore_region(self._still)
         self._clock.set_text(self.clock(number))
-        event = np.searchsorted(self._event_times, t, side="right")
-        self._caption.set_text(self._captions[event])
+        n_past = np.searchsorted(self._event_times, t, side="right")  # events until t
+        self._caption.set_text(self._captions[n_past])
         self._context.run(self._draw_bodies, t)
         for ax in (self._row, self._words):
             self.figure.draw_artist(ax)
-        for actor in [*self._row.collections, *self._row.patches, *self._row.lines]:
-            actor.remove()
-        picture = np.array(self._canvas.buffer_rgba())[..., :3]
+        for drawn in [*self._row.collections, *self._row.patches, *self._row.lines]:
+            drawn.remove()
+        picture = np.array(self._canvas.buffer_rgba())[..., :3]  # without opacity
         for ax in self._growing:
             self._hide_future(picture, ax, t)
         return picture
 
     def _hide_future(self, picture: NDArray[np.uint8], ax: Axes, t: float) -> None:
-        """Paint over the times after t of an Axes, with a line at t, in the picture."""
-        left, bottom, right, top = np.rint(ax.bbox.extents).astype(int)
+        """Paint over the times after `t` of an Axes in `picture`, and draw a line at t.
+
+        `picture` is changed. Time runs upward; before 0 all times are painted over.
+        """
+        left, bottom, right, top = np.rint(ax.bbox.extents).astype(int)  # pixels
         height = max(t, 0.0) * self._time.factor
         _, y_now = ax.transData.transform((0.0, height))
         now = round(y_now)  # row of pixels, counted from below
-        upward = picture[::-1]  # the rows of a picture are counted from above
+        upward = picture[::-1]  # a view; the rows of a picture are counted from above
+        # The first column has the frame of the Axes, which stays.
         future = upward[max(bottom, now) : top, left + 1 : right]
         future[:] = 255 * np.array(to_rgb(self.colours.paper))
         future[:NOW_LINE] = 255 * np.array(to_rgb(self.colours.ink))
 
     def _draw_bodies(self, t: float) -> None:
-        """Draw the bodies at a time; nothing else is on their Axes."""
+        """Draw the bodies at time t, s, on their own Axes."""
         bars = self._bars
         bars.move_to(np.array([t]))
         values = bars.pieces[self.field] * self._factor
@@ -289,15 +316,15 @@ class Animation:
     def clock(self, number: int) -> str:
         """Time of a frame, such as "t = 317 µs", with the decimals of all frames."""
         now, end = self.times[[number, -1]] * self._time.factor
-        power = math.floor(math.log10(end))
-        decimals = max(0, 2 - power)
+        power = math.floor(math.log10(end))  # of ten, of the leading digit of the end
+        decimals = max(0, 2 - power)  # the end has three digits
         return with_minus_signs(f"t = {now:.{decimals}f} {self._time.unit}")
 
     def __len__(self) -> int:
         return len(self.times)
 
     def frames(self, report: ProgressReport = no_report) -> Iterator[NDArray[np.uint8]]:
-        """All frames, one after the other."""
+        """Yield the picture of each frame in order; `report` is called after each."""
         for number in range(len(self)):
             yield self.frame(number)
             report(number + 1, len(self))
@@ -344,7 +371,7 @@ class Animation:
             write(file, self, report)
 
     def _repr_html_(self) -> str:
-        """The film as a GIF, for a notebook."""
+        """The film as HTML with a GIF inside, for a notebook; a bar shows progress."""
         memory = io.BytesIO()
         with Progress(True, "film", "frames") as report:
             films.write_gif(memory, self, report)
@@ -419,14 +446,15 @@ def animation(
             "stop", f"must be later than start = {start!r} s, got {stop!r}"
         )
     layout = choose_layout(solution, start, stop, magnification)
-    approach = _approach_frames(layout, start, stop, int(frames))
-    times = np.linspace(start, stop, int(frames) - approach)
-    before = np.arange(-approach, 0, dtype=np.float64) * (times[1] - times[0])
+    n_before = _approach_frames(layout, start, stop, int(frames))
+    times = np.linspace(start, stop, int(frames) - n_before)
+    step = times[1] - times[0]
+    before = np.arange(-n_before, 0, dtype=np.float64) * step  # negative times
     return Animation(layout, field, np.concatenate([before, times]), float(fps))
 
 
 def check_frames(frames: int, fps: float) -> None:
-    """Raise ValueError if there cannot be so many frames, or so many a second."""
+    """Raise ValueError unless `frames` is a whole number, and both are in range."""
     count = scalar("frames", frames, "")
     rate = scalar("fps", fps, "")
     if not 2 <= count <= MAX_FRAMES or count != int(count):
@@ -444,22 +472,24 @@ def check_frames(frames: int, fps: float) -> None:
 def _approach_frames(
     layout: PictureLayout, start: float, stop: float, frames: int
 ) -> int:
-    """Number of frames before t = 0, in which bodies come that touch at t = 0.
+    """Number of frames before t = 0 that show how bodies approach which touch at t = 0.
 
-    It is 0 for a film that begins later, and where bodies that touch do not approach.
+    It is 0 for a film that does not begin at 0, and where no touching bodies approach,
+    or some move apart. Before 0 the fastest gap is at most `MAX_APPROACH_WAY`, and at
+    most the share `MAX_APPROACH_FRAMES` of all frames is before 0.
     """
     solution = layout.solution
     velocities = solution.outcome.velocities_before
-    closing = []
+    closing = []  # closing velocities of the bodies that touch, m/s
     for k, gap in enumerate(solution.system.gaps):
         if gap == 0:
             closing.append(float(velocities[k] - velocities[k + 1]))
     if start != 0 or max(closing, default=0.0) <= 0:
         return 0
-    if min(closing) < 0:
+    if min(closing) < 0:  # before 0 these bodies would overlap
         return 0
-    way = MAX_APPROACH_WAY * layout.row_length / layout.magnification
-    duration = way / max(closing)
+    largest_gap = MAX_APPROACH_WAY * layout.row_length / layout.magnification
+    duration = largest_gap / max(closing)
     # All frames have one step, so n of them before 0 take the share n/(frames - 1) of
     # the whole film. This share is at most duration/(stop + duration).
     fitting = duration / (stop + duration) * (frames - 1)
@@ -467,19 +497,24 @@ def _approach_frames(
 
 
 def _draw_forces(ax: Axes, solution: Solution) -> None:
-    """Draw forces of the first contacts that can open, upward over time, on an Axes.
+    """Draw the forces of the first `MAX_CONTACTS` contacts that can open, on an Axes.
 
-    The Axes stands to the right of the space-time diagram and shares its axis of time.
+    Time runs upward: the Axes stands to the right of the space-time diagram and shares
+    its axis of time. A legend names several contacts.
     """
     contacts = solution.outcome.unilateral
-    limits = ax.get_ylim()
+    limits = ax.get_ylim()  # those of the diagram, which drawing would change
     curves = ContactCurves(solution, contacts[:MAX_CONTACTS])
     forces = curves.draw(ax, is_upward=True)
+    right = 1.1 * ax.dataLim.xmax
+    if right == 0:  # no force at all
+        right = 1.0
+    room_of_label = 1.5 * size_in_points(ax)[0]  # it may be wider than the Axes
     format_axes(
         ax,
-        xlim=(0, 1.1 * ax.dataLim.xmax or 1.0),
+        xlim=(0, right),
         ylim=limits,
-        xlabel=break_label(curves.scale.label, 1.5 * size_in_points(ax)[0]),
+        xlabel=break_label(curves.scale.label, room_of_label),
     )
     ax.tick_params(labelleft=False)
     if len(contacts) > 1:

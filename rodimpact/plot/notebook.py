@@ -28,7 +28,11 @@ class _Described(NamedTuple):
 
 
 def html_of(result: Solution | SweepResult | PulseDesign | Fit) -> str:
-    """HTML with the pictures of a result, and its table below them."""
+    """HTML with the pictures of a result, if it has any, and its table below them.
+
+    A solution has an overview, a design and a fitted record have one picture each, and
+    a family a curve or a map.
+    """
     if isinstance(result, PulseDesign):
         table = str(result)
         pictures = [_Described(design(result), "wanted and reached")]
@@ -53,20 +57,25 @@ def html_of(result: Solution | SweepResult | PulseDesign | Fit) -> str:
 
 
 def _family_table(result: SweepResult) -> str:
-    """Table of a family, with the units of what varies."""
+    """Table of a family as plain text, with the units of the varied numbers."""
     varied = []
     for axis in result.axes:
-        unit = quantity_of_parameter(result.system, axis.name).unit.removeprefix("1")
-        varied.append((*axis, unit))
+        unit = quantity_of_parameter(result.system, axis.name).unit
+        if unit == "1":  # a pure number: the table shows no unit
+            unit = ""
+        varied.append((axis.name, axis.values, unit))
     return sweep_table(result, varied, CSV_HINT)
 
 
 def _family_pictures(result: SweepResult) -> list[_Described]:
-    """Picture of e over the family, else of the last body's velocity, else none."""
+    """Picture of e over the family, or of the last body's velocity if no member has e.
+
+    The list is empty if neither can be drawn, as for a family with three axes.
+    """
     last = len(result.system.bodies) - 1
     varied = ", ".join(result.parameters)
     for quantity in ("restitution", f"velocity_after.{last}"):
-        with suppress(ValueError):  # without values, or with three axes
+        with suppress(ValueError):  # no values, or not one or two axes
             picture = sweep(result, quantity=quantity)
             return [_Described(picture, f"{quantity} over {varied}")]
     return []

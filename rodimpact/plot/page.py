@@ -77,7 +77,7 @@ def overview(solution: Solution, gauges: Mapping[str, Gauge] | None = None) -> F
     True
     """
     check_solution(solution)
-    time_scale(solution.t_end)  # refuses what lasts no time
+    time_scale(solution.t_end)  # raises ValueError if the duration is 0
 
     # What is shown.
     contacts = solution.outcome.unilateral
@@ -125,21 +125,23 @@ def overview(solution: Solution, gauges: Mapping[str, Gauge] | None = None) -> F
 
 
 def _page(wanted: list[Any]) -> tuple[Figure, dict[str, Axes]]:
-    """A page of two columns, or a narrow one of one column, with its panels by name.
+    """A new page of two columns, or of one if it is narrow, and its Axes by name.
 
     `wanted` has the names of the panels in order, in the form of `subplot_mosaic`: a
     list [["force"], ["gap"]] stands for panels one above the other. The last panel
-    fills the last row.
+    fills the last row. A page is narrow if `look` asks for less than `MIN_PAGE_WIDTH`.
     """
     columns = 2
     if wanted_width(PAGE[0]) < MIN_PAGE_WIDTH:
         columns = 1
-    if len(wanted) % columns:  # the last panel takes two places
+    if len(wanted) % columns:  # an odd number: the last panel takes both columns
         wanted = [*wanted, wanted[-1]]
     rows = [wanted[i : i + columns] for i in range(0, len(wanted), columns)]
     heights = [DIAGRAM_HEIGHT] * (len(rows) - 1) + [1.0]
-    if columns == 1 and isinstance(rows[-2][0], list):  # force and gap of a contact
-        heights[-2] = CONTACT_HEIGHT
+    if columns == 1:
+        for k, (panel,) in enumerate(rows):
+            if isinstance(panel, list):  # force and gap of a contact
+                heights[k] = CONTACT_HEIGHT
     if columns == 2:
         figure = new_figure(*PAGE)
     else:
@@ -164,15 +166,16 @@ def _notes(solution: Solution, stop: float) -> list[str]:
 def headline(solution: Solution) -> str:
     """Bodies, closing speed, and results of the collision, in one line.
 
-    The results are e, impulse and force duration; without an e, the velocities of a
-    short row.
+    The results are e, impulse and force duration. Without an e they are "nothing
+    collides", or the velocities of all bodies if there are at most `MAX_NAMED_BODIES`,
+    else none.
     """
     outcome = solution.outcome
     parts = [_bodies(solution)]
     speed = closing_speed(solution)
     if speed:
         parts.append(f"closing speed {quantity_text(speed, 'm/s')}")
-    if not outcome.why_no_restitution():
+    if not outcome.why_no_restitution():  # no reason against: e is known
         parts.append(f"restitution e = {outcome.restitution:.4g}")
         parts.append(f"impulse {quantity_text(outcome.impulse, 'N s')}")
         parts.append(f"force duration {quantity_text(outcome.duration, 's')}")
@@ -196,7 +199,11 @@ def _bodies(solution: Solution) -> str:
 
 
 def _velocities(solution: Solution) -> str:
-    """Velocities of all bodies at the end in words, in the unit of the largest."""
+    """Velocities of all bodies at the end as a text, in the unit of the largest.
+
+    It begins with "velocities after" if the solution is final, else with "velocities at
+    the end".
+    """
     velocities = solution.outcome.velocities_after
     largest = max(map(abs, velocities))
     scale = engineering("", largest, "m/s")

@@ -26,11 +26,12 @@ from .labels import legend_above
 from .style import FONT, colours, wanted_width
 
 DOTS_PER_INCH = 90  # resolution in a notebook
-LABEL_OVERHANG = 1.6  # width of a label below its Axes, in widths of the Axes, at most
+LABEL_OVERHANG = 1.6  # largest width of a label below its Axes, in widths of the Axes
+POINTS_PER_INCH = 72
 
 
 class Sheet(Figure):
-    """A figure that a notebook shows, without any command before."""
+    """A figure that a notebook shows if it is the value of a cell."""
 
     def _repr_png_(self) -> bytes:
         """The figure as PNG, for a notebook."""
@@ -51,7 +52,8 @@ class Picture(SimpleNamespace):
     ax: Axes
 
     def _repr_png_(self) -> bytes:
-        """The figure as PNG, also if it is none of this package's."""
+        """The figure as PNG, for a notebook."""
+        # Its Axes may be in a figure of the user's, which is no `Sheet`.
         return Sheet._repr_png_(figure_of(self))
 
 
@@ -63,23 +65,23 @@ class Draft(NamedTuple):
 
 
 def finish(draft: Draft) -> Picture:
-    """Lay out the figure of a draft and write its words."""
+    """Lay out the figure of a draft, write its words, and return its picture."""
     lay_out(figure_of(draft.picture))
     draft.write_words()
     return draft.picture
 
 
 def figure_of(drawn: Any) -> Any:
-    """The figure of a picture, Axes or figure.
+    """The whole figure to which a picture or Axes belongs; a figure is returned itself.
 
     Raises
     ------
     ValueError
-        If it has none.
+        If it belongs to no figure.
     """
-    axes = getattr(drawn, "ax", drawn)
+    axes = getattr(drawn, "ax", drawn)  # those of a picture
     figure = getattr(axes, "figure", axes)
-    figure = getattr(figure, "figure", figure)  # a part of a figure has a figure
+    figure = getattr(figure, "figure", figure)  # the whole of a subfigure
     if not isinstance(figure, Figure):
         raise invalid_argument(
             "picture",
@@ -90,24 +92,28 @@ def figure_of(drawn: Any) -> Any:
 
 
 def new_figure(width: float, height: float, least_height: float = 0.0) -> Sheet:
-    """Figure that pyplot does not keep, of the wanted width, or this size, inches.
+    """New figure of the width that `look` asks for, by default of this size, inches.
 
-    A narrow figure is lower too, but not in proportion, for its labels take room as
-    before.
+    A wider figure is higher in proportion. A narrower one is lower by the square root
+    of the ratio only, because its labels stay as large, but not below `least_height`.
+    pyplot does not know the figure.
     """
-    scale = wanted_width(width) / width
-    if scale < 1:
-        height *= math.sqrt(scale)
+    ratio = wanted_width(width) / width
+    if ratio < 1:
+        height *= math.sqrt(ratio)
     else:
-        height *= scale
+        height *= ratio
     height = max(height, least_height)
-    return Sheet(figsize=(width * scale, height), layout="constrained")
+    return Sheet(figsize=(width * ratio, height), layout="constrained")
 
 
 def axes_or_new(
     ax: Axes | None, width: float, height: float, least_height: float = 0.0
 ) -> Axes:
-    """The Axes given, or that of a new figure of this size, inches."""
+    """The Axes given, or that of a new figure of this size, inches.
+
+    An `ax` that is neither an Axes nor None is refused.
+    """
     if ax is None:
         return new_figure(width, height, least_height).add_subplot()
     check_kind("ax", ax, Axes, "plt.gca()")
@@ -159,37 +165,46 @@ def lay_out(figure: Figure) -> None:
 
 def size_in_points(ax: Axes) -> Floats:
     """Width and height of an Axes, in points."""
-    return np.asarray(ax.get_window_extent().size) * 72 / ax.figure.dpi
+    return np.asarray(ax.get_window_extent().size) * POINTS_PER_INCH / ax.figure.dpi
 
 
 def room_below(ax: Axes) -> float:
-    """Room for a line of a label below an Axes, points.
+    """Largest width of a label that is centred below an Axes, points.
 
-    The label is centred. It may be wider than the Axes but stays inside the figure.
+    It is `LABEL_OVERHANG` widths of the Axes, or less if the label would leave the
+    figure.
     """
-    box = ax.get_window_extent()
+    box = ax.get_window_extent()  # pixels
     figure = figure_of(ax)
     middle = (box.x0 + box.x1) / 2
-    to_edge = min(middle, figure.bbox.width - middle)
+    to_edge = min(middle, figure.bbox.width - middle)  # the nearer edge of the figure
     pixels = min(LABEL_OVERHANG * box.width, 2 * to_edge)
-    return float(pixels * 72 / figure.dpi)
+    return float(pixels * POINTS_PER_INCH / figure.dpi)
 
 
 def units_per_point(ax: Axes) -> Floats:
-    """Units of the axes of x and y that one point on paper takes, [2]."""
+    """Lengths in x and y, in the units of the axes, of one point on paper, [2]."""
     limits = [ax.get_xlim(), ax.get_ylim()]
-    return np.asarray(np.ptp(limits, axis=1) / size_in_points(ax))
+    ranges = np.ptp(limits, axis=1)
+    return np.asarray(ranges / size_in_points(ax))
 
 
 def format_axes(
     ax: Axes, named: Sequence[artist.Artist | None] = (), **settings: Any
 ) -> None:
-    """Give an Axes its settings, ticks and frame, and the names of artists above it.
+    """Give an Axes its settings, the look of ticks and frame, and a legend above it.
 
-    Axes of a user may have been made with other settings than those of the style sheet.
+    Parameters
+    ----------
+    ax : Axes
+    named : sequence of artists
+        Entries of the legend; None is left out. Without entries there is no legend.
+    **settings
+        Properties for `Axes.set`, such as ``xlim`` and ``ylabel``.
     """
     ax.set(**settings)
     legend_above(ax, named)
+    # A user's Axes may have been made with other settings than the style sheet's.
     ax.tick_params(
         which="both",
         labelsize=rcParams["xtick.labelsize"],
@@ -227,15 +242,16 @@ def draw_cells(
     norm: colors.Normalize,
     missing: str = "no value",
 ) -> Cells:
-    """Draw values [x, y] as cells between edges; `missing` says why one has no value.
+    """Draw values [x, y] as coloured cells between the edges [x] and [y].
 
-    The legend entry of cells without a value is returned only if a value is NaN.
+    Cells whose value is not finite are left empty. If a value is NaN, the legend entry
+    with the text `missing` for such cells is returned too.
     """
-    x, y = edges
+    x_edges, y_edges = edges
     mesh = ax.pcolormesh(
-        x,
-        y,
-        np.ma.masked_invalid(values.T),
+        x_edges,
+        y_edges,
+        np.ma.masked_invalid(values.T),  # matplotlib takes [y, x]
         cmap=palette,
         norm=norm,
         shading="flat",
@@ -244,10 +260,10 @@ def draw_cells(
     )
     if not np.isnan(values).any():
         return Cells(mesh, missing=None)
-    name = patches.Patch(
+    entry = patches.Patch(
         facecolor=colours().paper, edgecolor=colours().faint, label=missing
     )
-    return Cells(mesh, missing=name)
+    return Cells(mesh, missing=entry)
 
 
 def add_colour_bar(
@@ -257,9 +273,19 @@ def add_colour_bar(
     reference: float | None = None,
     **settings: Any,
 ) -> colorbar.Colorbar:
-    """Add a colour bar beside an Axes, or as matplotlib's settings for it say.
+    """Add a colour bar beside an Axes.
 
-    Of colours that are symmetric about a reference value it shows those in use.
+    Parameters
+    ----------
+    ax : Axes
+    mapped : ScalarMappable
+        Artist whose colours the bar explains.
+    label : str
+    reference : float, optional
+        Value about which the colours are symmetric: the bar is then cut to the range of
+        the values and the reference. By default it shows all colours.
+    **settings
+        Of `Figure.colorbar`; they replace the package's own.
     """
     settings.setdefault("fraction", 0.06)
     settings.setdefault("pad", 0.02)

@@ -95,7 +95,8 @@ class Plane:
     def points(self, x: Floats, times: Floats) -> Floats:
         """Points [..., 2] of the picture in units of the axes, from X, m, and times, s.
 
-        The first of the two is to the right: X, or the time if time runs across.
+        `x` and `times` are broadcast against each other. The first number of a point
+        counts to the right: it is X, or the time if time runs across.
         """
         scaled_x = x * self.scales.x.factor
         scaled_t = times * self.scales.time.factor
@@ -109,10 +110,13 @@ class Plane:
         return self.points(self.layout.point(body, x, times), times)
 
     def format(self) -> None:
-        """Set the limits of the Axes, and labels and ticks for its present size."""
+        """Set the limits of the Axes, and labels and ticks for its present size.
+
+        The axis of time has the limits of `span`; the axis of x includes all artists.
+        """
         ax = self.ax
         format_axes(ax)
-        ax.use_sticky_edges = False
+        ax.use_sticky_edges = False  # else margins would end at the cells of a raster
         low = self.span.start * self.scales.time.factor
         high = self.span.stop * self.scales.time.factor
         if self.across:
@@ -126,7 +130,10 @@ class Plane:
         self.fit_labels()
 
     def fit_labels(self) -> None:
-        """Choose labels and ticks that have room on the Axes."""
+        """Set labels and ticks of both axes that have room at their present lengths.
+
+        The axis of x has numbers only in material coordinates.
+        """
         width, height = size_in_points(self.ax)
         time_length = width if self.across else height
         x_length = height if self.across else width
@@ -135,27 +142,30 @@ class Plane:
         label = self.layout.label(self.scales.x, room_of_x_label)
         self.x_axis.set_label_text(label)
         self._fit_times(time_length)
+        # Length of one point on paper, in units of the axis of x
         per_point = np.ptp(self.x_axis.get_view_interval()) / x_length
         rods = self._rods()
-        if not self.layout.magnification:
+        is_still = self.layout.magnification == 0  # material coordinates
+        if is_still:
             self._fit_numbers(rods, per_point)
         self._fit_names(rods, per_point)
 
     def _fit_times(self, length: float) -> None:
-        """Name whole round trips on the axis of time, and leave out the numbers there.
+        """Set ticks at whole round trips with their names, and numbers between them.
 
-        `length` is that of the axis, points. Without such names matplotlib's own ticks
-        stay.
+        `length` is that of the axis of time, points. Numbers too near to a name are
+        left out. If no whole round trip has room, matplotlib's own ticks stay.
         """
         factor = self.scales.time.factor
         low = self.span.start * factor
         high = self.span.stop * factor
-        # Least distance of two ticks, in heights of letters, which are `NORMAL` points.
-        letters = 1.3
+        # Least distance of two ticks, in heights of letters, which are `NORMAL` points:
+        # names beside each other need more than names one above the other.
+        distance = 1.3
         if self.across:
-            letters = 3.0
+            distance = 3.0
         # The same distance in units of the axis
-        least = letters * NORMAL * (high - low) / length
+        least = distance * NORMAL * (high - low) / length
 
         marks: dict[float, str] = {}
         for t, name in round_trips(self.layout.solution).items():
@@ -175,7 +185,7 @@ class Plane:
         self.time_axis.set_ticks(list(ticks), labels=labels)
 
     def _rods(self) -> list[RodOnAxis]:
-        """The rods at the start, from left to right."""
+        """Ends of the rods on the axis of x at the start, from left to right."""
         layout = self.layout
         factor = self.scales.x.factor
         start = self.span.start
@@ -198,12 +208,15 @@ class Plane:
     def _fit_numbers(self, rods: list[RodOnAxis], per_point: float) -> None:
         """Set ticks with material coordinates at ends of rods, where they have room.
 
-        `per_point` are units of the axis in a point on paper.
+        An end too near to a tick before it has none. `per_point` is the length of a
+        point on paper, in units of the axis.
         """
-        letters = 5 * LETTER  # least distance of two ticks, in heights of the letters
+        # Least distance of two ticks, in heights of letters: the width of five letters,
+        # or more than a line if the numbers stand one above the other.
+        distance = 5 * LETTER
         if self.across:
-            letters = 1.5
-        least = letters * NORMAL * per_point  # least distance in units of the axis
+            distance = 1.5
+        least = distance * NORMAL * per_point  # in units of the axis
         last = max(rod.right_number for rod in rods)
         numbers: dict[float, str] = {}
         for rod in rods:
@@ -217,10 +230,12 @@ class Plane:
         self.x_axis.set_ticks(list(numbers), labels=labels)
 
     def _fit_names(self, rods: list[RodOnAxis], per_point: float) -> None:
-        """Name the rods beside the numbers, and their lengths between the numbers.
+        """Write the names of the rods, and symbols of their lengths, along the axis.
 
-        Both are one minor tick in the middle of the rod: the symbol of the length in a
-        first line, "" without room, and the name of the rod in a second one.
+        Both are the label of a minor tick in the middle of the rod. Its first line is
+        the symbol of the length, between the numbers at both ends of the rod; it is ""
+        if it has no room, and where bodies move. Its second line is the name of the
+        rod. If the axis is upright, only the name is written.
         """
         system = self.layout.solution.system
         size = rcParams["xtick.labelsize"]
@@ -238,12 +253,14 @@ class Plane:
         labels = []
         for rod, name in zip(rods, names, strict=True):
             symbol = length_name(system, rod.body)
-            number = number_text(rod.right_number, rod.right_number)
-            free = (rod.right - rod.left) / per_point - text_width(number, size)
+            number = number_text(rod.right_number, largest=rod.right_number)
+            length = (rod.right - rod.left) / per_point  # of the rod, points
+            # The numbers at both ends take half of their widths from the rod.
+            free = length - text_width(number, size)
             needed = text_width(symbol, size) + NAME_GAP
-            is_below = symbol == name  # the rod is named by the symbol already
+            is_named_by_symbol = symbol == name
             has_room = free >= needed
-            if self.layout.magnification or is_below or not has_room:
+            if self.layout.magnification or is_named_by_symbol or not has_room:
                 symbol = ""
             labels.append(f"{symbol}\n{name}")
         self.x_axis.set_ticks(middles, labels=labels, minor=True)

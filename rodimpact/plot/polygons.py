@@ -34,10 +34,10 @@ READABLE_REGIONS = 20_000
 
 
 class Fronts(NamedTuple):
-    """Sides that two regions share."""
+    """Sides that two regions share: wave fronts, and steps of area or material."""
 
-    sides: Ints  # [n, 2] corners
-    owners: Ints  # [n, 2] regions, the earlier one first
+    sides: Ints  # [n, 2] indices of the two corners of each side
+    owners: Ints  # [n, 2] indices of the two regions, the earlier one first
     is_step: Any  # [n] whether it is a step of area or material, not a front
     darkness: Floats  # [n] of its line, from 0 to 1
 
@@ -56,23 +56,23 @@ class Polygons:
         """Find the regions, and for each corner its region, body and next corner."""
         self.system = solution.system
         self.regions = regions_of(solution, start, stop)
-        starts = self.regions.start
+        starts = self.regions.start  # first corner of each region, and the end of all
         # For each corner: its region and body, the first corner of its region, and the
         # next corner.
         self._region = np.repeat(np.arange(len(self.regions)), np.diff(starts))
         self._body = self.regions.body[self._region]
         self._first = starts[self._region]
-        # the last corner of a region is followed by its first
         self._next = np.arange(1, self._body.size + 1)
-        self._next[starts[1:] - 1] = starts[:-1]
+        last_corners = starts[1:] - 1
+        self._next[last_corners] = starts[:-1]  # the first corner follows the last
 
     # What is measured -----------------------------------------------------------------
 
     def values(self, field: str, frame: float) -> Floats:
-        """Values of a field in each region; displacements at its corners instead; SI.
+        """Values [region] of a field, SI; of displacements the values [corner].
 
         Displacements and energies are those seen from a frame that moves at `frame`,
-        m/s.
+        m/s; other fields are not changed by it.
         """
         regions = self.regions
         if field == "displacement":
@@ -100,9 +100,10 @@ class Polygons:
         return np.asarray(mass_per_length * squares / 2)
 
     def bends(self, body: int, x: float) -> Floats:
-        """Times at which the path of a rod's end at x, m, may bend, first and last too.
+        """Times, s, between which the path of a rod's end at x, m, is straight.
 
-        They are those of the corners of regions at the end.
+        They are the times of all corners of regions at this end, in order; the first
+        and the last time of the picture are among them.
         """
         is_at_end = (self._body == body) & (self.regions.x == x)
         return np.unique(self.regions.t[is_at_end])
@@ -110,56 +111,61 @@ class Polygons:
     def _fronts(self) -> Fronts:
         """Sides that two regions share, also steps, with their darkness in the picture.
 
-        Darkness is the root of the jump of velocity over the largest jump, 1 for a step
-        of area or material. The region with the earlier mean time is the earlier one.
+        The darkness of a front is the square root of its jump of velocity over the
+        largest jump; that of a step of area or material is 1. Of the two regions beside
+        a side, the one whose corners have the earlier mean time is the earlier one.
         """
         regions = self.regions
-        sides = self._shared_sides()  # [n, 2] where the side begins in its two regions
+        begins = self._shared_sides()  # [n, 2] corner where each region begins the side
         starts = regions.start[:-1]
         time_sums = np.add.reduceat(regions.t, starts)
         mean_time = time_sums / np.diff(regions.start)
-        owners = self._region[sides]
-        earlier = np.argsort(mean_time[owners], axis=1, kind="stable")
-        owners = np.take_along_axis(owners, earlier, axis=1)
-        ends = np.column_stack((sides[:, 0], self._next[sides[:, 0]]))
+        owners = self._region[begins]
+        order = np.argsort(mean_time[owners], axis=1, kind="stable")
+        owners = np.take_along_axis(owners, order, axis=1)
+        first_corners = begins[:, 0]
+        sides = np.column_stack((first_corners, self._next[first_corners]))
 
         jumps = np.abs(np.diff(regions.velocity[owners]))[:, 0]
         largest = jumps.max(initial=0.0)
         if largest == 0:
             largest = 1.0
-        is_step = np.ptp(regions.x[ends], axis=1) == 0  # the side stays at one x
+        is_step = np.ptp(regions.x[sides], axis=1) == 0  # the side stays at one x
         darkness = np.where(is_step, 1.0, np.sqrt(jumps / largest))
-        return Fronts(ends, owners, is_step, darkness)
+        return Fronts(sides, owners, is_step, darkness)
 
     def _shared_sides(self) -> Ints:
-        """Corners [n, 2] at which the two regions beside a side begin to run along it.
+        """Sides that two regions share: for each, where both regions begin it, [n, 2].
 
-        All regions are run round in one direction, so that the two run along a shared
-        side in opposite directions.
+        The two numbers are the indices of the corners at which the side begins in the
+        one and in the other region. The corners of all regions are in the same sense of
+        rotation, so that two regions run along a shared side in opposite directions.
         """
         body = self._body.tolist()
         time = self.regions.t.tolist()
         x = self.regions.x.tolist()
-        corners = list(zip(body, time, x, strict=True))
-        side_of: dict[Any, int] = {}
+        points = list(zip(body, time, x, strict=True))  # [corner]
+        # By the two points of a side in order, the corner at which it begins
+        begin_of: dict[Any, int] = {}
         for i, j in enumerate(self._next.tolist()):
-            side_of[corners[i], corners[j]] = i
+            begin_of[points[i], points[j]] = i
         shared = []
-        for ends, i in side_of.items():
-            start, stop = ends
+        for side, i in begin_of.items():
+            start, stop = side
             # The first condition counts each pair once.
-            if start < stop and (stop, start) in side_of:
-                shared.append((i, side_of[stop, start]))
-        return np.array(shared, dtype=np.int64).reshape(-1, 2)
+            if start < stop and (stop, start) in begin_of:
+                shared.append((i, begin_of[stop, start]))
+        return np.array(shared, dtype=np.int64).reshape(-1, 2)  # [0, 2] if none
 
     # What is drawn --------------------------------------------------------------------
 
     def draw(
         self, plane: Plane, numbers: Floats, norm: colors.Normalize
     ) -> cm.ScalarMappable:
-        """Draw the regions with these numbers: one each, or one for each corner.
+        """Draw the regions, coloured by `numbers`: one a region, or one a corner.
 
-        Plane, corners, numbers and colours are kept for `write`.
+        Numbers at corners are shaded between them. The collection of regions is
+        returned; plane, corners, numbers and colours are kept for `write`.
         """
         regions = self.regions
         x = plane.layout.position(
@@ -173,7 +179,7 @@ class Polygons:
         if not self._has_one_each:
             return self._draw_shaded()
         drawn = collections.PolyCollection(
-            np.split(self._corners, regions.start[1:-1]),
+            np.split(self._corners, regions.start[1:-1]),  # the corners of each region
             array=numbers,
             cmap=colours().signed,
             norm=norm,
@@ -185,15 +191,15 @@ class Polygons:
         return drawn
 
     def _draw_shaded(self) -> cm.ScalarMappable:
-        """Draw numbers at the corners, linear in triangles between them.
+        """Draw the numbers at the corners, linear in triangles between them.
 
         The triangles of a region are a fan about its first corner: one for each side
         that does not touch this corner.
         """
-        corner = np.arange(self._first.size)  # each begins the side to its `_next`
+        corner = np.arange(self._first.size)  # side i runs from corner i to `_next[i]`
         touches_first = (corner == self._first) | (self._next == self._first)
-        inner = np.flatnonzero(~touches_first)
-        fan = (self._first[inner], inner, self._next[inner])
+        outer_sides = np.flatnonzero(~touches_first)
+        fan = (self._first[outer_sides], outer_sides, self._next[outer_sides])
         return self._plane.ax.tripcolor(
             self._corners[:, 0],
             self._corners[:, 1],
@@ -209,8 +215,9 @@ class Polygons:
     def write(self) -> list[Text]:
         """Draw lines of fronts, words and numbers that have room; return the numbers.
 
-        Limits and sizes of the Axes are final by then. Values at corners have no
-        numbers.
+        The limits and the size of the Axes must be final. Fronts have words only if
+        there are at most `FEW_FRONTS`. Where values belong to corners, only the lines
+        are drawn, and [] is returned.
         """
         ax = self._plane.ax
         fronts = self._fronts()
@@ -223,17 +230,20 @@ class Polygons:
         return self._write_numbers(ax)
 
     def _draw_fronts(self, ax: Axes, fronts: Fronts) -> Any:
-        """Draw the darkest fronts, no more than stay apart; return which were drawn.
+        """Draw the darkest fronts that are not crowded; return whether each is drawn.
 
-        Lines of the total length L stand area/L apart on average.
+        Lines of the total length L have the mean distance area/L, which must be
+        `FRONT_SPACING` at least. The `FEW_FRONTS` darkest are never too many. Fronts of
+        equal darkness are all drawn or all left out; very light ones are left out.
         """
-        start, stop = np.moveaxis(_in_points(ax, self._corners[fronts.sides]), 1, 0)
-        lengths = np.hypot(*(stop - start).T)
+        side_ends = _in_points(ax, self._corners[fronts.sides])  # [side, end, 2]
+        lengths = np.hypot(*(side_ends[:, 1] - side_ends[:, 0]).T)
         darkest = np.argsort(-fronts.darkness, kind="stable")
-        # Sum of the lengths that have room, points
-        room = math.prod(size_in_points(ax)) / FRONT_SPACING
+        area = math.prod(size_in_points(ax))
+        room = area / FRONT_SPACING  # sum of the lengths that have room, points
         crowded = np.cumsum(lengths[darkest]) > room
         crowded[:FEW_FRONTS] = False
+        # Darkness of the darkest front that is left out
         too_light = fronts.darkness[darkest[crowded]].max(initial=MIN_DARKNESS)
         seen = fronts.darkness > too_light * (1 + NEGLIGIBLE_RTOL)
         if seen.any():
@@ -249,10 +259,11 @@ class Polygons:
         return seen
 
     def _name_fronts(self, ax: Axes, sides: Ints, owners: Ints) -> None:
-        """Write along each front, on its later side, if it compresses or stretches.
+        """Write "compression" or "tension" along each front, on its later side.
 
-        A word is left out if it would come near the number of the later region, or does
-        not fit into this region.
+        The word is "compression" if the front lowers the stress, which is positive in
+        tension. It is left out if it would come near the number of the later region, or
+        does not fit into this region.
 
         Parameters
         ----------
@@ -263,8 +274,8 @@ class Polygons:
         centres = _in_points(ax, self._centres(self._corners))
         corners = _in_points(ax, self._corners)
         for side, regions in zip(sides, owners, strict=True):
-            first, last = side
-            before, after = regions
+            first, last = side  # corners
+            before, after = regions  # the earlier and the later region
             word = "tension"
             if stress[after] < stress[before]:
                 word = "compression"
@@ -277,13 +288,16 @@ class Polygons:
             to_number = abs(_cross(right - left, centres[after] - left)) / length
             if to_number <= WORD_TO_NUMBER * SMALL:
                 continue
+            # The later side is above the front, or to the right of it if time runs
+            # across: to the right of a front that rises is below it.
             rises = right[1] > left[1]
-            is_below = self._plane.across and rises  # the later side, to the right
+            is_below = self._plane.across and rises
             box = _word_box(left, right, word, is_below)
             if not self._contains(corners, after, box):
                 continue
+            # Direction of the front in units of the axes, from left to right
             dx, dy = np.diff(self._corners[[first, last]], axis=0)[0]
-            if dx < 0:  # turned from left to right
+            if dx < 0:
                 dx = -dx
                 dy = -dy
             x, y = self._corners[[first, last]].mean(axis=0)
@@ -302,20 +316,23 @@ class Polygons:
             )
 
     def _contains(self, corners: Floats, region: int, points: Floats) -> bool:
-        """Whether points lie inside a convex region or on its sides, points on paper.
+        """Whether all `points` are inside a convex region or hardly outside of it.
 
-        A point is inside if its distance from each side, inward, is not negative.
+        `corners` are those of all regions, and both are on paper, points. A point is
+        inside if its inward distance from each side is -`ON_FRONT` at least.
         """
         first = self.regions.start[region]
         end = self.regions.start[region + 1]
         outline = corners[first:end]
         sides = np.roll(outline, -1, axis=0) - outline
         lengths = np.hypot(*sides.T)
-        sides = sides[lengths > 0]
-        outline = outline[lengths > 0]
-        lengths = lengths[lengths > 0]
+        has_length = lengths > 0  # corners that coincide have no side between them
+        sides = sides[has_length]
+        outline = outline[has_length]
+        lengths = lengths[has_length]
         centre = outline.mean(axis=0)
-        inward = np.sign(_cross(sides, centre - outline))  # sign on the inner side
+        # Sign of the cross product for points on the inner side
+        inward = np.sign(_cross(sides, centre - outline))
         for point in points:
             distance = inward * _cross(sides, point - outline) / lengths
             if (distance < -ON_FRONT).any():
@@ -325,17 +342,21 @@ class Polygons:
     def _write_numbers(self, ax: Axes) -> list[Text]:
         """Write the number of each region into its centre, where there is room for it.
 
-        In the laboratory it has a box in the colour of its region, over paths that
-        cross.
+        Where bodies move in the picture, the number has a box in the colour of its
+        region, so that paths which cross it do not hide it.
         """
-        low, high = self._norm.inverse(np.array([0.0, 1.0])).tolist()
+        low, high = self._norm.inverse(np.array([0.0, 1.0])).tolist()  # colour limits
         reach = (high - low) / 2
-        # Three digits of differences: more where all values lie far from 0.
-        count = 3 + max(0, math.ceil(math.log10(max(-low, high) / reach)))
-        texts = [number_text(value, reach, count) for value in self._numbers.tolist()]
+        largest = max(-low, high)
+        # Differences have three digits: the numbers have more if all are far from 0.
+        digits = 3 + max(0, math.ceil(math.log10(largest / reach)))
+        texts = [number_text(value, reach, digits) for value in self._numbers.tolist()]
         half_sizes = []
         for text in texts:
-            half_sizes.append((0.35 * SMALL * len(text) + 1.0, 0.6 * SMALL + 1.0))
+            # half of a width of 0.7 heights a digit, and a margin of a point
+            half_width = 0.35 * SMALL * len(text) + 1.0
+            half_height = 0.6 * SMALL + 1.0
+            half_sizes.append((half_width, half_height))
         centres = self._centres(self._corners)
         fits = self._has_room(ax, centres, np.array(half_sizes))
 
@@ -361,18 +382,20 @@ class Polygons:
         return written
 
     def _has_room(self, ax: Axes, centres: Floats, half_sizes: Floats) -> Any:
-        """Whether a box about the centre of each region lies inside of every side.
+        """Whether a box about the centre of each region is inside all its sides.
 
-        With the side (sx, sy) of length s, the centre is cross/s from the side, and a
-        box of half sizes (w, h) reaches (abs(sy) w + abs(sx) h)/s towards it.
+        With the side (sx, sy) of length s, the centre is abs(cross)/s from the side,
+        and a box of half sizes (w, h) reaches (abs(sy) w + abs(sx) h)/s towards it.
+        Both are compared times s.
         """
         corners = _in_points(ax, self._corners)
         sides = corners[self._next] - corners
         to_centre = _in_points(ax, centres)[self._region] - corners
-        room = np.abs(_cross(sides, to_centre))
-        needed = (np.abs(sides[:, ::-1]) * half_sizes[self._region]).sum(axis=1)
+        distance = np.abs(_cross(sides, to_centre))  # times s
+        # [:, ::-1] pairs sy with w and sx with h
+        reach = (np.abs(sides[:, ::-1]) * half_sizes[self._region]).sum(axis=1)
         starts = self.regions.start[:-1]
-        return np.logical_and.reduceat(room > needed, starts)
+        return np.logical_and.reduceat(distance > reach, starts)
 
     def _centres(self, corners: Floats) -> Floats:
         """Centre of area of each region, [n, 2]; NaN where the area is 0.
@@ -383,37 +406,45 @@ class Polygons:
         """
         origin = corners[self._first]
         starts = self.regions.start[:-1]
-        here = corners - origin
-        after = corners[self._next] - origin
-        turn = _cross(here, after)[:, None]
-        areas = np.add.reduceat(turn, starts)
-        areas[areas == 0] = np.nan
-        away: Floats = np.add.reduceat(turn * (here + after), starts) / (3 * areas)
-        return origin[starts] + away
+        to_corner = corners - origin  # p - o
+        to_next = corners[self._next] - origin  # q - o
+        twice_area = _cross(to_corner, to_next)[:, None]  # a, of each triangle
+        sums = np.add.reduceat(twice_area, starts)
+        sums[sums == 0] = np.nan
+        moments = np.add.reduceat(twice_area * (to_corner + to_next), starts)
+        from_origin: Floats = moments / (3 * sums)
+        return origin[starts] + from_origin
 
 
 def drawn_until(solution: Solution) -> float:
-    """Latest of t_end, t_end/2, t_end/4, ..., s, up to which regions can be read."""
+    """Latest of t_end, t_end/2, t_end/4, ..., s, with at most `READABLE_REGIONS`.
+
+    It is t_end for a smooth solution, which has no regions.
+    """
     if is_smooth(solution):
         return solution.t_end
     return readable_until(solution, READABLE_REGIONS)
 
 
 def _word_box(start: Floats, stop: Floats, word: str, is_below: bool) -> Floats:
-    """Corners [4, 2] of a word at the middle of a front, with its margins, points."""
-    along = (stop - start) / math.hypot(*(stop - start))
+    """Corners [4, 2] of the box of a word along a front from `start` to `stop`, points.
+
+    The box is at the middle of the front, above or below it, and includes margins at
+    both ends of the word.
+    """
+    along = (stop - start) / math.hypot(*(stop - start))  # unit vector
     across = np.array([-along[1], along[0]])  # a quarter turn to the left: above
     if is_below:
         across = -across
     middle = (start + stop) / 2
-    half = LETTER * SMALL * len(word) / 2 + WORD_TO_END
-    near = [middle - half * along, middle + half * along]
-    far = [point + SMALL * across for point in near]
-    return np.array([*near, *far])
+    half_length = LETTER * SMALL * len(word) / 2 + WORD_TO_END
+    on_front = [middle - half_length * along, middle + half_length * along]
+    away = [point + SMALL * across for point in on_front]
+    return np.array([*on_front, *away])
 
 
 def _in_points(ax: Axes, corners: Floats) -> Floats:
-    """Corners [..., 2] of the picture on paper, in points."""
+    """Positions on paper, points, of corners [..., 2] in units of the axes."""
     pixels = ax.transData.transform(corners.reshape(-1, 2)).reshape(corners.shape)
     return np.asarray(pixels * (72.0 / ax.figure.dpi))
 

@@ -1,6 +1,7 @@
 """Cells of the space-time diagram of a smooth solution: averages over time.
 
-The exact mean over each cell's time leaves no false pattern of waves too quick for it.
+Samples at single times would show false patterns of waves that are quicker than a cell;
+exact averages over the time of each cell do not.
 """
 
 import numpy as np
@@ -27,7 +28,10 @@ class Raster:
     """
 
     def __init__(self, solution: Solution, start: float, stop: float | None) -> None:
-        """Divide the interval into rows of cells: one a tick, `MAX_ROWS` at most."""
+        """Divide the interval into rows of cells: one for each tick, or `MAX_ROWS`.
+
+        `stop` is by default the end of the solution.
+        """
         if stop is None:
             stop = solution.t_end
         first_tick, last_tick = solution.fields.to_ticks([start, stop])
@@ -39,22 +43,24 @@ class Raster:
         self.solution = solution
         rows = min(MAX_ROWS, ticks)
         self.times = np.linspace(start, stop, rows + 1)
-        self.averaged_over = 0.0  # s, what a cell averages; 0 for a tick, the shortest
+        self.averaged_over = 0.0  # duration of a cell, s; 0 if it is a single tick
         if rows < ticks:
             self.averaged_over = float(self.times[1] - self.times[0])
         self._rods = rods_of(solution.system)
 
     def values(self, field: str, frame: float) -> Floats:
-        """Values of a field in each cell [times, pieces], SI; NaN between rods.
+        """Values of a field in each cell [times, pieces of all rods], SI.
 
-        Displacements, in a frame, are those in the middle; the energy is that of the
-        mean motion.
+        A column of NaN is between two rods. Velocity, strain and stress are averages
+        over the time of the cell; the energy is computed from averages; displacements
+        are those in the middle of the cell. Displacements and energies are seen from a
+        frame that moves at `frame`, m/s.
         """
-        between = np.full((1, self.times.size - 1), np.nan)
+        between_rods = np.full((1, self.times.size - 1), np.nan)
         columns: list[Floats] = []
         for body in self._rods:
-            columns += [self._values_in_rod(body, field, frame), between]
-        return np.concatenate(columns[:-1]).T
+            columns += [self._values_in_rod(body, field, frame), between_rods]
+        return np.concatenate(columns[:-1]).T  # nothing after the last rod
 
     def _values_in_rod(self, body: int, field: str, frame: float) -> Floats:
         """Values of a field in the cells [pieces, times] of a rod, as in `values`.
@@ -79,14 +85,20 @@ class Raster:
         return area * (twice_kinetic + stress * strain) / 2
 
     def bends(self, body: int, x: float) -> Floats:  # noqa: ARG002  (as in `Polygons`)
-        """Times between which paths are drawn straight, the same for all ends."""
+        """Times, s, between which paths are drawn straight: those between the rows.
+
+        They are the same for all ends.
+        """
         return self.times
 
     def draw(
         self, plane: Plane, numbers: Floats, norm: colors.Normalize
     ) -> cm.ScalarMappable:
-        """Draw the cells with these numbers, as pixels in vector files too."""
-        corners = []
+        """Draw the cells, coloured by `numbers` [times, pieces], and return the mesh.
+
+        They are pixels also in SVG and PDF files.
+        """
+        corners = []  # of the cells of each rod [time, edge, 2]
         for body in self._rods:
             edges = pieces(self.solution, body)
             corners.append(plane.path(body, edges, self.times[:, None]))
@@ -107,5 +119,5 @@ class Raster:
         )
 
     def write(self) -> list[Text]:
-        """Cells bear no numbers."""
+        """Write nothing, as cells bear no numbers; return []."""
         return []

@@ -93,6 +93,7 @@ def comparison(
     t = measured.times
     values = measured.values
     shifted = t - misfit.shift
+    # The prediction with its shift and scale, at the times of the record
     model: Floats = misfit.scale * np.interp(shifted, predicted.times, predicted.values)
     half_width = None
     if band is not None:
@@ -102,7 +103,7 @@ def comparison(
     time = engineering("time t", largest_of(t), "s")
     name = measured.name or "signal"
     unit = engineering(name, largest_of(values), measured.unit)
-    percent = 100 / plateau(values)
+    percent = 100 / plateau(values)  # factor from the unit of the record to %
 
     # What is drawn.
     upper, lower = two_axes_or_new(
@@ -114,7 +115,8 @@ def comparison(
         area = _fill_band(upper, x, model * unit.factor, half_width * unit.factor)
         name_of_band = "its band"
         widest = 2 * half_width.max()
-        if widest < MIN_SEEN_BAND_RATIO * (np.ptp(values) + widest):
+        height_of_axes = np.ptp(values) + widest  # about the range of the axis
+        if widest < MIN_SEEN_BAND_RATIO * height_of_axes:
             name_of_band = "its band, narrower than the line"
         area.set_label(name_of_band)
         _fill_band(lower, x, 0.0 * x, half_width * percent)
@@ -144,8 +146,8 @@ def comparison(
         xlabel=time.label,
         ylabel="residual\n(% of plateau)",
     )
-    reach = RESIDUAL_RANGE * max(map(abs, lower.get_ylim()))
-    lower.set_ylim(-reach, reach)
+    limit = RESIDUAL_RANGE * max(map(abs, lower.get_ylim()))
+    lower.set_ylim(-limit, limit)  # with room for the misfit above the curve
     lower.text(
         0.01,
         0.97,
@@ -180,7 +182,7 @@ def _check_band(band: Signal, predicted: Signal) -> None:
 def _fill_band(
     ax: Axes, x: Floats, middle: Floats, half_width: Floats
 ) -> PolyCollection:
-    """Fill a band of this half width about a curve."""
+    """Fill a band around the curve `middle`, of `half_width` above and below it."""
     return ax.fill_between(
         x,
         middle - half_width,
@@ -192,7 +194,7 @@ def _fill_band(
 
 
 def _draw_line(ax: Axes, x: Floats, y: Floats, **style: Any) -> Line2D:
-    """Draw a curve, of very many points only the least and largest."""
+    """Draw a curve; of very many points only those of `extreme_indices`."""
     style.setdefault("linewidth", 1.2)
     chosen = extreme_indices(y)
     (line,) = ax.plot(x[chosen], y[chosen], **style)
@@ -200,9 +202,10 @@ def _draw_line(ax: Axes, x: Floats, y: Floats, **style: Any) -> Line2D:
 
 
 def _predicted(misfit: Misfit, measured: Signal, predicted: Signal) -> str:
-    """Name of a prediction, with its shift and scale in words if it was changed.
+    """Name of a prediction: "predicted", with its shift and its scale in words.
 
-    A shift or scale at a bound of its interval is said to be at its limit.
+    A shift of 0 and a scale of 1 are left out. A shift or scale that is at a bound of
+    its interval is followed by "(at its limit)".
     """
     name = "predicted"
     if misfit.shift:
@@ -273,10 +276,13 @@ def fit(result: Fit, ax: Sequence[Axes] | None = None, record: int = 0) -> Pictu
 
 @styled
 def side_by_side(count: int) -> list[tuple[Axes, Axes]]:
-    """Axes for signals and residual of so many comparisons, on a new figure."""
+    """Pairs of Axes for signals and residual of `count` comparisons, on a new figure.
+
+    The pairs stand side by side, in each pair the Axes of the signals above.
+    """
     figure = new_figure(width=5.6 * count, height=4.2)
     grid = figure.subplots(2, count, squeeze=False, sharex="col", height_ratios=(3, 1))
-    upper, lower = grid.tolist()
+    upper, lower = grid.tolist()  # rows of the grid
     return list(zip(upper, lower, strict=True))
 
 
@@ -325,8 +331,8 @@ def reduction(curve: Reduction, ax: Sequence[Axes] | None = None) -> Picture:
     )
 
     # What is measured.
-    loading = curve.loading
-    strain = 100 * curve.strain[loading]
+    loading = curve.loading  # the samples up to the largest strain
+    strain = 100 * curve.strain[loading]  # %
     stress = curve.stress[loading]
     half_width = curve.stress_band[loading]
     two_wave_stress = curve.two_wave_stress[loading]
@@ -373,7 +379,7 @@ def reduction(curve: Reduction, ax: Sequence[Axes] | None = None) -> Picture:
     for each in (upper, lower):
         add_grid(each)
     lower.set_ylim(bottom=0)
-    # Where the two stresses differ most, the second one may be negative.
+    # While the forces on the two faces differ much, the second stress may be negative.
     if two_wave_stress.min() >= 0:
         upper.set_ylim(bottom=0)
     else:

@@ -60,7 +60,10 @@ def quantity_text(value: float, unit: str) -> str:
 
 
 def engineering(name: str, largest: float, unit: str) -> Scale:
-    """Scale on which `largest` lies between 1 and 1000.
+    """Scale on which `largest` lies between 1 and 1000: a unit with an SI prefix.
+
+    The value 0 keeps the unit. Beyond the prefixes f and T the number on the axis may
+    lie outside this range.
 
     Parameters
     ----------
@@ -74,6 +77,7 @@ def engineering(name: str, largest: float, unit: str) -> Scale:
     largest = abs(largest)
     exponent = 0  # power of ten, a multiple of three
     if largest > 0:
+        # A number that round-off leaves just below 1000 counts as 1000.
         thousands = math.log10(largest * (1 + NEGLIGIBLE_RTOL)) / 3
         exponent = 3 * math.floor(thousands)
     if not unit:
@@ -88,8 +92,9 @@ def engineering(name: str, largest: float, unit: str) -> Scale:
 def scale_of(quantity: Quantity, largest: float) -> Scale:
     """Scale of an axis for a quantity with values up to `largest`, in customary units.
 
-    `PLAIN_UNITS` and counts are shown as they are, lengths in the units of `x_scale`,
-    kg with the prefixes of g, and m^2 by the square of a prefix of m.
+    Numbers without unit and those with `PLAIN_UNITS` are shown as they are, lengths in
+    the units of `x_scale`, masses in g with a prefix, areas in the square of a prefixed
+    m, and other quantities in their unit with a prefix.
     """
     name = quantity.name
     unit = quantity.unit
@@ -116,13 +121,14 @@ def largest_of(values: Floats) -> float:
 
 
 def number_text(value: float, largest: float, count: int = 3) -> str:
-    """A number as a text; round-off beside the largest number shown is 0.
+    """A number as a text with `count` significant digits.
 
-    `count` is the number of significant digits. A half is rounded away from 0, also if
-    round-off makes it a little smaller.
+    It is "0" if it is negligible beside `largest`, the largest number shown. A half in
+    the digit after the last one is rounded away from 0.
     """
     if abs(value) <= NEGLIGIBLE_RTOL * largest:
         return "0"
+    # Round-off may leave a half a little too small.
     return with_minus_signs(f"{value * (1 + NEGLIGIBLE_RTOL):.{count}g}")
 
 
@@ -132,7 +138,9 @@ def with_minus_signs(text: str) -> str:
 
 
 def multiple(value: float, unit: str) -> str:
-    """Write value times unit as people do, as a fraction where a simple one is near.
+    """Write value times unit, as a fraction if one with a small denominator is equal.
+
+    The denominator is `MAX_DENOMINATOR` at most; any other value has three digits.
 
     Examples
     --------
@@ -146,7 +154,7 @@ def multiple(value: float, unit: str) -> str:
     if fraction == 0:
         return "0"
     text = unit
-    if abs(fraction.numerator) > 1:
+    if abs(fraction.numerator) > 1:  # 1 is not written
         text = f"{abs(fraction.numerator)}{text}"
     if fraction.denominator > 1:
         text = f"{text}/{fraction.denominator}"
@@ -156,19 +164,23 @@ def multiple(value: float, unit: str) -> str:
 
 
 def joined_by_and(names: Sequence[str]) -> str:
-    """Names as a list in a sentence: a, b and c."""
+    """One or more names as a list in a sentence: a, b and c."""
     if len(names) == 1:
         return names[0]
     return f"{', '.join(names[:-1])} and {names[-1]}"
 
 
 def closing_speed(solution: Solution) -> float:
-    """Largest speed at which neighbours approach at first, m/s; 0 if none do."""
+    """Largest initial speed at which bodies approach at a contact that can open, m/s.
+
+    It is 0 if none approach, or so slowly that only round-off makes them.
+    """
     velocities = solution.outcome.velocities_before
     largest = 0.0
     for k in solution.outcome.unilateral:
         largest = max(largest, velocities[k] - velocities[k + 1])
-    if largest <= APPROACH_RTOL * max(map(abs, velocities)):
+    largest_speed = max(map(abs, velocities))
+    if largest <= APPROACH_RTOL * largest_speed:
         return 0.0
     return largest
 
@@ -181,7 +193,10 @@ class ReferenceRod(NamedTuple):
 
 
 def first_rod(solution: Solution) -> ReferenceRod:
-    """The leftmost rod of a row that has one."""
+    """The leftmost rod of the row, and the symbol of its length.
+
+    InvalidModel is raised if the row has no rod.
+    """
     system = solution.system
     for i, body in enumerate(system.bodies):
         if isinstance(body, Rod):
@@ -190,7 +205,7 @@ def first_rod(solution: Solution) -> ReferenceRod:
 
 
 def time_scale(end: float) -> Scale:
-    """Scale of an axis of time from 0 to `end` s; ValueError if that is no time."""
+    """Scale of an axis of time from 0 to `end`, s; ValueError unless `end` > 0."""
     if not end > 0:
         raise invalid_argument(
             "solution", f"lasts {end!r} s and has no history; solve it with until > 0"
@@ -199,7 +214,10 @@ def time_scale(end: float) -> Scale:
 
 
 def x_scale(width: float) -> Scale:
-    """Scale of the axis of x, for a row `width` m wide: metres unless it is small."""
+    """Scale of the axis of x for a row `width` m wide: metres, but mm for a small row.
+
+    A row is small below `MIN_ROW_IN_METRES`; a still smaller one is shown in µm or nm.
+    """
     if width >= MIN_ROW_IN_METRES:
         return Scale(1.0, "place x", "m")
     return engineering("place x", width, "m")
@@ -231,7 +249,10 @@ def axis_scales(
 def field_scale(
     solution: Solution, field: str, dimensionless: bool, largest: float
 ) -> Scale:
-    """Scale of a field of `FIELDS`, for values up to `largest`.
+    """Scale of a field of `FIELDS`, for values up to `largest`, SI.
+
+    A dimensionless scale divides by the closing speed v0 and by numbers of the first
+    rod: c, rho, length and area. `largest` does not matter then.
 
     Raises
     ------
@@ -261,6 +282,6 @@ def field_scale(
     if field == "displacement":
         factor = c / (v0 * float(rod.length))
         return Scale(factor, f"displacement u c/(v₀ {length})")
-    area = extremes(rod.segments[0].area)[1]
+    _, area = extremes(rod.segments[0].area)  # the largest area
     factor = 1 / (rho * area * v0**2)
     return Scale(factor, f"energy per length w/({RHO} A₁ v₀²)")

@@ -52,10 +52,10 @@ def show(picture: Any) -> None:
             "elsewhere.\n"
         )
         return
-    # Pyplot opens windows of the figures that it keeps. Its `figure` keeps what the
-    # class given to it makes: here the figure itself.
+    # Pyplot opens windows of the figures that it keeps. `plt.figure` calls the class
+    # given to it and keeps the result: this "class" returns the figure itself.
     is_kept = any(plt.figure(number) is figure for number in plt.get_fignums())
     if not is_kept:
-        adopt: Any = lambda **_: figure  # noqa: E731
-        plt.figure(FigureClass=adopt)
+        return_figure: Any = lambda **_: figure  # noqa: E731
+        plt.figure(FigureClass=return_figure)
     plt.show()

@@ -51,9 +51,9 @@ from .scales import (
 from .style import SMALL, centred, colours, ink_on, styled
 
 LETTERS = SMALL + 1  # height of the letters of a row, points
-BESIDE = 0.36  # distance of labels above or below a bar from its middle
-LABEL_SPREAD = 0.02  # spread of velocities with one label, in parts of the largest
-MAX_SHIFT = 0.75  # shift of a label from its piece, in widths of the label
+BESIDE = 0.36  # distance of labels from the middle of a bar, in distances between rows
+LABEL_SPREAD = 0.02  # spread of velocities with one label, over the largest velocity
+MAX_SHIFT = 0.75  # largest shift of a label from its piece, in widths of the label
 EVENT_WIDTH = 0.3  # width of the events beside the rows, in widths of the figure
 ROW_HEIGHT = 0.72  # inches
 MIN_ROW_HEIGHT = 0.55  # inches, in a narrow figure
@@ -128,7 +128,7 @@ def snapshots(
         when = array("times", times, "s").ravel()
     if when.size == 0:
         raise invalid_argument("times", "needs at least one time, got none")
-    solution.fields.to_ticks(when)  # refuses times outside the solution
+    solution.fields.to_ticks(when)  # raises ValueError for times outside the solution
     stop = float(when.max())
     layout = choose_layout(solution, 0.0, stop, magnification=magnification)
     x = x_scale(layout.row_length)
@@ -198,20 +198,25 @@ def snapshots(
 
 
 def _set_limits(bars: Bars) -> None:
-    """Set limits that leave room for labels at the rows, and beside masses."""
+    """Set the limits of the Axes, with room for labels at the rows and at masses."""
     ax = bars.ax
     has_masses = any(isinstance(body, RigidMass) for body in bars.system.bodies)
-    ax.use_sticky_edges = False
+    ax.use_sticky_edges = False  # else a block at the edge would have no margin
     ax.margins(x=0.1 if has_masses else 0.03)
     ax.autoscale_view()
+    # The rows are at 0, -1, ..., 1 - size.
     ax.set_ylim(0.45 - bars.times.size, 0.8)
 
 
 def _draw_first_ends(bars: Bars) -> None:
-    """Draw dashed lines down the picture where bodies meet in the first row."""
+    """Draw dashed lines down the picture at the right ends that bodies have at first.
+
+    The last body has none.
+    """
     for i in range(len(bars.system.bodies) - 1):
+        first_row = 0
         bars.ax.axvline(
-            float(bars.end(i, is_right=True)[0]),
+            float(bars.end(i, is_right=True)[first_row]),
             color=colours().faint,
             linewidth=0.6,
             linestyle=(0, (4, 4)),
@@ -220,14 +225,16 @@ def _draw_first_ends(bars: Bars) -> None:
 
 
 class _VelocityLabels:
-    """Velocities as multiples of the closing speed v, or in the unit under the picture.
+    """Texts of velocities: multiples of the closing speed v, or numbers with a unit.
+
+    A unit is used if no bodies approach each other.
 
     Attributes
     ----------
     scale : Scale
-        Of velocities.
+        Of velocities, for the colour bar and for numbers with a unit.
     unit : str
-        Line under the picture.
+        Line under the picture that names the closing speed or the unit.
     """
 
     def __init__(self, bars: Bars) -> None:
@@ -243,25 +250,28 @@ class _VelocityLabels:
             self.unit = f"velocities ({self.scale.unit})"
 
     def write(self, velocity: float) -> str:
-        """Write a velocity as a multiple of v, or in the unit of `scale`.
+        """Text of a velocity in the picture's frame, as a multiple of v.
 
-        Where velocities vary along the rods it is rounded: to hundredths of v, or of
-        the largest velocity.
+        Without a closing speed it is the velocity in the unit of `scale`. In a smooth
+        solution it is rounded to hundredths of v, or of the largest velocity.
         """
         if self._closing:
-            part = (velocity - self._frame) / self._closing
+            ratio = (velocity - self._frame) / self._closing
         else:
-            part = velocity / (self._largest or 1.0)
+            ratio = velocity / (self._largest or 1.0)
         if self._is_smooth:
-            part = round(part, 2)
+            ratio = round(ratio, 2)
         if self._closing:
-            return multiple(part, "v")
+            return multiple(ratio, "v")
         largest = self._largest * self.scale.factor
-        return number_text(part * self._largest * self.scale.factor, largest)
+        return number_text(ratio * self._largest * self.scale.factor, largest)
 
 
 def _name_rows(ax: Axes, solution: Solution, when: Floats) -> None:
-    """Write to the left of each row its time, to the right the events at this time."""
+    """Write the time of each row to its left, the events at this time to its right.
+
+    The time is given in seconds, and below in transit times of the first rod.
+    """
     format_axes(ax)
     time = engineering("time", solution.t_end, "s")
     rod, length = first_rod(solution)
@@ -288,23 +298,27 @@ def _name_rows(ax: Axes, solution: Solution, when: Floats) -> None:
 
 
 def _label_masses(bars: Bars, write: Callable[[float], str]) -> list[Text]:
-    """Write the velocity of each mass below it; of every second neighbour above it."""
+    """Write the velocity of each mass below it in each row, or above it.
+
+    Of masses next to each other every second one has its label above, so that labels do
+    not overlap. `write` makes the text of a velocity.
+    """
     labels: list[Text] = []
     is_above = False
     for i, body in enumerate(bars.system.bodies):
         if not isinstance(body, RigidMass):
             is_above = False
             continue
-        side = -BESIDE  # height above the middle of the row
+        height = -BESIDE  # of the label above the middle of the row
         va = "top"
         if is_above:
-            side = BESIDE
+            height = BESIDE
             va = "bottom"
         x = bars.layout.middle(i, bars.times) * bars.x_scale.factor
         velocities = bars.solution.velocity(i, x=0.0, t=bars.times).tolist()
         for stage, velocity in enumerate(velocities):
-            text = _write(bars.ax, x[stage], side - stage, write(velocity), va=va)
-            labels.append(text)
+            y = height - stage  # the middle of row `stage` is at -stage
+            labels.append(_write(bars.ax, x[stage], y, write(velocity), va=va))
         is_above = not is_above
     return labels
 
@@ -318,10 +332,11 @@ class _Label(NamedTuple):
 
 
 def _label_pieces(bars: Bars, norm: Any, write: Callable[[float], str]) -> list[Text]:
-    """Write the velocity into each piece, or below it where it is too narrow.
+    """Write the velocity into each piece of each row, or below it if it is too narrow.
 
-    Where velocities vary along the rods, the labels stand in stretches of nearly equal
-    velocity, and never below. `write` makes the text of a velocity.
+    Labels below are moved apart, and some are left out. In a smooth solution pieces of
+    nearly equal velocity have one label with their mean, and no label stands below.
+    `write` makes the text of a velocity.
     """
     pieces = bars.pieces
     if bars.is_smooth:
@@ -343,18 +358,19 @@ def _label_pieces(bars: Bars, norm: Any, write: Callable[[float], str]) -> list[
                 labels.append(label)
             elif not bars.is_smooth:
                 below.append(_Label(x, width, text))
-        y = -stage - BESIDE
+        y_below = -stage - BESIDE
         for moved in _with_room_below(below):
-            labels.append(_write(bars.ax, moved.x, y, moved.text, va="top"))
+            labels.append(_write(bars.ax, moved.x, y_below, moved.text, va="top"))
     return labels
 
 
 def _with_room_below(labels: list[_Label]) -> list[_Label]:
-    """Labels of a row, moved apart; the result may be shorter.
+    """Labels of a row, from left to right, moved apart so that none overlap.
 
-    As long as a label would move too far, the one that moves farthest is left out.
+    As long as a label would move by more than `MAX_SHIFT` of its width, the one that
+    moves farthest is left out: the result may be shorter than `labels`, even empty.
     """
-    labels = sorted(labels)
+    labels = sorted(labels)  # by x
     while labels:
         widths = [label.width for label in labels]
         moved = spread_apart([label.x for label in labels], widths)
@@ -372,22 +388,23 @@ def _with_room_below(labels: list[_Label]) -> list[_Label]:
 
 
 def _name_rods(bars: Bars) -> None:
-    """Write the names of the rods above the first row."""
+    """Write the names of the rods, or symbols of their lengths, above the first row."""
     per_point = float(units_per_point(bars.ax)[0])
     rods = rods_of(bars.system)
-    x = []
-    centres = []
+    middles = []  # in the unit of the axis
+    centres = []  # the same in points
     for i in rods:
-        middle = float(bars.layout.middle(i, bars.times[0]))
-        x.append(middle * bars.x_scale.factor)
-        centres.append(x[-1] / per_point)
+        X = float(bars.layout.middle(i, bars.times[0]))
+        middle = X * bars.x_scale.factor
+        middles.append(middle)
+        centres.append(middle / per_point)
     names = rod_labels(bars.system, rods, centres, LETTERS)
-    for position, name in zip(x, names, strict=True):
-        _write(bars.ax, position, y=0.5, text=name, va="bottom")
+    for middle, name in zip(middles, names, strict=True):
+        _write(bars.ax, middle, y=0.5, text=name, va="bottom")
 
 
 def _width(ax: Axes, text: str) -> float:
-    """Width of a text and half a digit more, in the unit of the axis of x."""
+    """Width of a text and a margin of half a digit, in the unit of the axis of x."""
     points = text_width(text, LETTERS, DIGIT) + DIGIT * LETTERS / 2
     return points * float(units_per_point(ax)[0])
 

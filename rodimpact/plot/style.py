@@ -37,7 +37,7 @@ COMPUTED: dict[str, Any] = {
     "markeredgewidth": 0.8,
     "label": "computed",
 }
-"""Marks of computed values beside a law."""
+"""Matplotlib's settings for marks of computed values beside a closed form."""
 MM_PER_INCH = 25.4
 MIN_WIDTH = 50.0  # mm, of a figure
 MAX_WIDTH = 1000.0
@@ -62,11 +62,11 @@ class Colours(NamedTuple):
     """Colours of paper, lines, bodies, series of curves, and signed values."""
 
     paper: str
-    ink: str
-    faint: str
+    ink: str  # of text and important lines
+    faint: str  # of frames, ticks and other lines
     wall: str
     mass: str
-    series: tuple[str, ...]
+    series: tuple[str, ...]  # one for each of several curves
     signed: colors.Colormap
 
 
@@ -78,7 +78,7 @@ class Look(NamedTuple):
 
 
 def _sheet(mode: str) -> RcParams:
-    """Settings of the style sheet of a mode, "light" or "dark"."""
+    """Read the settings of the style sheet of a mode, "light" or "dark"."""
     path = Path(__file__).with_name(f"{mode}.mplstyle")
     return rc_params_from_file(path, use_default_template=False)
 
@@ -127,8 +127,10 @@ def wanted_width(usual: float) -> float:
 def look(mode: str = "light", width: float | None = None) -> Iterator[None]:
     """Draw figures on light or dark paper, and with a chosen width.
 
-    The settings are those of the style sheets ``"rodimpact.plot.light"`` and
-    ``"rodimpact.plot.dark"``, which `matplotlib.pyplot.style.use` takes too.
+    This is a context manager. Only figures of this package that are drawn inside the
+    ``with`` block have the look. A user's own figures take it by
+    `matplotlib.pyplot.style.use` with the style sheets ``"rodimpact.plot.light"`` and
+    ``"rodimpact.plot.dark"``.
 
     Parameters
     ----------
@@ -167,18 +169,21 @@ def look(mode: str = "light", width: float | None = None) -> Iterator[None]:
 
 
 def styled(draw: Callable[P, R]) -> Callable[P, R]:
-    """Decorator: figures of a function have the look, whatever the user's settings.
+    """Decorator: the function draws with the present `look`, not the user's settings.
 
-    A text in place of the Axes is refused before the function is called.
+    A text in place of the Axes is refused before the function is called, and an error
+    for a wrong argument names the arguments that the function has.
     """
     parameters = inspect.signature(draw).parameters
-    checked = explain_arguments(draw)
+    checked = explain_arguments(draw)  # the same function with better errors
 
     @wraps(draw)
     def drawn(*args: P.args, **kwargs: P.kwargs) -> R:
         """Check that `ax` is no text; call the function with the style sheet."""
-        _check_no_text(parameters, dict(zip(parameters, args, strict=False)) | kwargs)
+        by_position = dict(zip(parameters, args, strict=False))
+        _check_no_text(parameters, by_position | kwargs)
         sheet = SHEETS[_current.get().mode]
+        # A user may have set NumPy to raise for numbers that underflow to 0.
         with np.errstate(under="ignore"), rc_context(sheet):
             return checked(*args, **kwargs)
 
@@ -188,9 +193,10 @@ def styled(draw: Callable[P, R]) -> Callable[P, R]:
 def _check_no_text(
     parameters: Mapping[str, inspect.Parameter], arguments: Mapping[str, Any]
 ) -> None:
-    """Raise InvalidModel for a text in place of the Axes.
+    """Raise InvalidModel if the argument `ax` is a text.
 
-    The text is meant for the first other parameter whose default is a text.
+    The error advises to give the text by name, to the first parameter whose default is
+    a text, else to leave it out.
     """
     ax = arguments.get("ax")
     if not isinstance(ax, str):
@@ -204,22 +210,29 @@ def _check_no_text(
 
 
 def centred(values: Iterable[float], reference: float = 0.0) -> colors.Normalize:
-    """Colour limits symmetric about a reference value."""
-    reach = 0.0
+    """Colour limits symmetric about a reference value, which include all values.
+
+    NaN is ignored. If no value differs from the reference, the limits are 1 from it.
+    """
+    largest = 0.0  # difference from the reference
     for value in values:
-        reach = max(reach, abs(float(value) - reference))
-    if reach == 0:
-        reach = 1.0
-    return colors.Normalize(reference - reach, reference + reach)
+        largest = max(largest, abs(float(value) - reference))
+    if largest == 0:
+        largest = 1.0
+    return colors.Normalize(reference - largest, reference + largest)
 
 
 def ink_on(
     norm: colors.Normalize, value: float, palette: colors.Colormap | None = None
 ) -> str:
-    """Colour of text that is legible on the colour of `value`, by default signed."""
+    """Colour of text that is legible on the colour of `value`: white or dark ink.
+
+    The palette is by default that of signed values.
+    """
     if palette is None:
         palette = colours().signed
     red, green, blue, _ = palette(norm(value))
+    # Weights of the eye's sensitivity to the three colours
     lightness = 0.3 * red + 0.59 * green + 0.11 * blue
     if lightness < 0.45:
         return "white"

@@ -1019,6 +1019,15 @@ def test_rows_of_masses_have_contacts_and_energy_to_draw(solved_masses):
     assert len(overview.axes) == 3
 
 
+def test_a_narrow_page_of_a_single_mass_shows_its_energy():
+    solution = ri.solve(ri.System([ri.RigidMass(1.0, velocity=1.0)]), until=1e-3)
+    with plot.look(width=85):
+        figure = plot.overview(solution)
+
+    (ax,) = figure.axes
+    assert ax.get_ylabel() == "energy (mJ)"
+
+
 @pytest.mark.parametrize("draw", [plot.spacetime, plot.snapshots, plot.animation])
 def test_rows_of_masses_have_no_rods_to_draw(solved_masses, draw):
     with pytest.raises(ValueError, match=r"solution: has no rod.*plot\.overview"):
