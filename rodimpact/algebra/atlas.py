@@ -183,7 +183,7 @@ class Atlas:
         The collision is solved in fractions where floats cannot tell the sign of an
         inequality.
     between : [point, 2] array of int
-        Regions on both sides of each border point, -1 for what is unresolved.
+        Regions on both sides of each border point, -1 for an unresolved side.
     lines : [line, 2, 2] array
         Pieces of the borders, straight from point to point.
     of_line : [line] array of int
@@ -260,7 +260,7 @@ class Atlas:
         check_arguments(most=most)
         algebra = RationalFunctions(self._row)
         x, y = self._sample_points()
-        region_of_cell = np.append(self.region, -1)  # the last is that of cell -1
+        region_of_cell = np.append(self.region, -1)  # index -1 gives region -1
         regions = region_of_cell[self.locate(x, y)]  # the region of each point
         sampled, counts = np.unique(regions[regions >= 0], return_counts=True)
         largest_first = np.argsort(-counts, kind="stable")
@@ -277,7 +277,7 @@ class Atlas:
         """Coordinates of points that fill the plane evenly, [point] each."""
         _, x_low, x_high = self.x
         _, y_low, y_high = self.y
-        # every other one of the ends of half steps is the middle of a step
+        # Of points at half steps, every second one is the middle of a step.
         x = np.linspace(x_low, x_high, 2 * REGION_SAMPLES + 1)[1::2]
         y = np.linspace(y_low, y_high, 2 * REGION_SAMPLES + 1)[1::2]
         x_mesh, y_mesh = np.meshgrid(x, y)
@@ -294,14 +294,14 @@ class Atlas:
         return ", ".join(equations)
 
     def locate(self, x: ArrayLike, y: ArrayLike) -> NDArray[np.int64]:
-        """Index of the cell in which each point lies, -1 for what is unresolved."""
-        # In any unit, and of any sign.
+        """Index of the cell in which each point lies, -1 for unresolved points."""
+        # The two empty texts allow any unit and any sign.
         xs, ys = broadcast_arguments(x=(x, "", ""), y=(y, "", ""))
         return locate(self.cells, xs, ys)
 
     def restitution(self, x: ArrayLike, y: ArrayLike) -> Floats:
-        """e at points, by the formula of their cell; nan where there is none."""
-        # In any unit, and of any sign.
+        """e at points, by the formula of their cell; nan without a cell or formula."""
+        # The two empty texts allow any unit and any sign.
         xs, ys = broadcast_arguments(x=(x, "", ""), y=(y, "", ""))
         cell_of_point = self.locate(xs, ys)
         e = np.full(xs.shape, np.nan)

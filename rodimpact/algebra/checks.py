@@ -81,9 +81,10 @@ def check_final(is_final: bool, max_events: int) -> None:
 
 
 def fractions_of(values: Any) -> dict[str, Fraction]:
-    """Values that the user gave, as fractions by path; none for None.
+    """Fractions of the numbers or texts that the user gave in a mapping by path.
 
-    InvalidModel names each path whose value is no number.
+    The result is empty for None. InvalidModel is raised for anything but a mapping, and
+    names each key that is no text and each path whose value is no number.
     """
     if values is None:
         return {}
@@ -108,13 +109,17 @@ def fractions_of(values: Any) -> dict[str, Fraction]:
 
 
 def _fraction(value: Any) -> Fraction:
-    """Value as a fraction; TypeError if it is no number and no text."""
+    """Value as a fraction.
+
+    A value that is no finite number, and no text of one, raises TypeError, ValueError,
+    ZeroDivisionError or OverflowError.
+    """
     if isinstance(value, float | np.floating):
         return decimal_fraction(float(value))
     if is_integer(value):
         return Fraction(int(value))
-    if isinstance(value, np.generic):  # what `Fraction` would take as a whole number
-        raise TypeError
+    if isinstance(value, np.generic):
+        raise TypeError  # `Fraction` would take some of these as whole numbers
     return Fraction(value)
 
 

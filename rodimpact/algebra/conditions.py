@@ -30,7 +30,8 @@ def cell_conditions(run: ExactRun, *, in_order: bool) -> list[TracedFraction]:
     """Numbers that are positive throughout the cell of a run, and depend on names.
 
     They come from the separation and from the phases of each contact that can open, and
-    from the ticks of the fronts that are in flight at the end.
+    from the ticks of the fronts that are in flight at the end. Numbers that are 0 in
+    this run are left out.
 
     Parameters
     ----------
@@ -96,11 +97,11 @@ def _proof_tick(simulation: Simulation, max_events: int) -> TracedFraction:
     If the kernel waited for its proof, the tick is an integer of its own, the tick of
     no event. Then the run goes on to the next event, whose tick is returned.
     """
-    proof_tick: TracedFraction = simulation.run.proved_tick + ZERO
+    proof_tick: TracedFraction = simulation.run.proved_tick + ZERO  # traced, not int
     for row in simulation.log[: simulation.run.log_rows]:
         if proof_tick == row.tick:
             return proof_tick
-    next_tick: TracedFraction = simulation.queue[1]
+    next_tick: TracedFraction = simulation.queue[1]  # root of the tree: the earliest
     _run_on(simulation, next_tick, max_events)
     return next_tick
 

@@ -28,7 +28,7 @@ class VelocityJump(NamedTuple):
     """A jump of the closing velocity, as fronts reach a contact."""
 
     tick: TracedFraction
-    jump: TracedFraction  # m/s
+    size: TracedFraction  # closing velocity after the jump minus before it, m/s
 
 
 @dataclass
@@ -95,8 +95,8 @@ def phases_of_contact(
             phases[-1].end = event.tick
             phases.append(ContactPhase(event.status, event.tick, ZERO, closing))
         elif event.tick > 0:
-            jump = closing - earlier_closing
-            phases[-1].jumps.append(VelocityJump(event.tick, jump))
+            size = closing - earlier_closing
+            phases[-1].jumps.append(VelocityJump(event.tick, size))
         else:  # the initial state: fronts that left before t = 0
             phases[-1].closing = closing
     return ContactPhases(phases, later_ticks)
@@ -134,8 +134,9 @@ def phase_conditions(phase: ContactPhase, in_order: bool) -> list[TracedFraction
     """Numbers that are positive as long as a contact keeps its status in this phase.
 
     They are closing velocities or gaps, and differences of ticks: jumps stay between
-    start and end of the phase, and with `in_order` in their order. Only jumps that came
-    before count in a velocity or a gap, so the order matters there, too.
+    start and end of the phase, and with `in_order` also in the order of this run. A
+    velocity or a gap at a jump is the sum over the jumps up to it: with `in_order`
+    those of this run, otherwise those that unit steps select anew.
     """
     conditions = _status_conditions(phase, in_order)
     ticks = [phase.start]
@@ -180,25 +181,30 @@ def _status_conditions(phase: ContactPhase, in_order: bool) -> list[TracedFracti
 def _closing_at(
     phase: ContactPhase, tick: TracedFraction, in_order: bool
 ) -> TracedFraction:
-    """Closing velocity at a tick of a phase: sum of the jumps up to it."""
+    """Closing velocity at a tick of a phase: that at its start plus the jumps up to it.
+
+    With `in_order` they are the jumps up to it in this run; otherwise each jump has a
+    unit step as a factor.
+    """
     closing = phase.closing
     for jump in phase.jumps:
         elapsed = tick - jump.tick
-        closing = closing + _if_elapsed(elapsed, jump.jump, in_order)
+        closing = closing + _if_elapsed(elapsed, jump.size, in_order)
     return closing
 
 
 def _gap_at(
     phase: ContactPhase, tick: TracedFraction, in_order: bool
 ) -> TracedFraction:
-    """Gap at a tick of a phase, without a force.
+    """Gap at a tick of a phase in which the contact is open.
 
-    g(t) = g(t0) - (a - b) (t - t0) - sum(jump (t - t_jump)), over the jumps up to t.
+    g(t) = g(t0) - (a - b) (t - t0) - sum(size (t - t_jump)), over the jumps up to t,
+    selected as in `_closing_at`.
     """
     gap = phase.gap - phase.closing * (tick - phase.start)
     for jump in phase.jumps:
         elapsed = tick - jump.tick
-        gap = gap - _if_elapsed(elapsed, jump.jump * elapsed, in_order)
+        gap = gap - _if_elapsed(elapsed, jump.size * elapsed, in_order)
     return gap
 
 

@@ -156,10 +156,11 @@ class _CaseNumbers:
 
 
 def _check_wave_speeds(row: Row, source: _CaseNumbers) -> None:
-    """Raise InvalidModel where an irrational wave speed would have to be rounded.
+    """Raise InvalidModel if an irrational wave speed would have to be rounded.
 
-    This is a speed whose ratio to that of the first rod is irrational, or the first
-    rod's own speed if something else is given in seconds or metres.
+    This is the first speed whose ratio to that of the first rod is irrational. If there
+    is none, it is the first rod's own irrational speed, if there are gaps or given
+    transit times.
     """
     unit = source.squared_speed_unit
     irrational = []

@@ -65,9 +65,9 @@ def map_numbers(results: Exact, convert: Callable[[Any], Any]) -> Exact:
 
 
 def numbers_of(results: Exact) -> list[Any]:
-    """All numbers of the results in the order of `map_numbers`, which passes None over.
+    """All numbers of the results in one list, in the order of `map_numbers`.
 
-    They are in one list.
+    None is left out.
     """
     numbers: list[Any] = []
     map_numbers(results, numbers.append)

@@ -148,6 +148,7 @@ def _tick_rate(numbers: RowNumbers) -> Fraction:
     """
     shortest = min(numbers.transit_times)
     _, exponent = math.frexp(float(shortest))  # 2^(exponent - 1) <= shortest
+    # The bit length of 2^n is n + 1, so the shortest transit has at least 2^n ticks.
     return Fraction(2) ** (TICKS_PER_SHORTEST_TRANSIT.bit_length() - exponent)
 
 
@@ -249,7 +250,7 @@ def _contact_times(
 ) -> tuple[Any, ...]:
     """Start and end of the force of each contact, for each of its finished episodes.
 
-    Changes between other states, without a force before and after, are passed over.
+    Changes between other states, without a force before and after, are ignored.
     """
     times: dict[int, list[TracedFraction]] = {node: [] for node in nodes}
     for change in simulation.changes:

@@ -185,8 +185,8 @@ def _directions(dimensions: int) -> Any:
 def _values_near(algebra: RationalFunctions, direction: Any) -> dict[str, Fraction]:
     """Values of all names near those of the system, at `OFFSET` in a direction.
 
-    x + x OFFSET d for a number x with the component d of the direction; OFFSET d where
-    x is 0.
+    A number x with the component d of the direction becomes x + x OFFSET d, or OFFSET d
+    if x is 0.
     """
     values = dict(algebra.base_values)
     for name, component in zip(algebra.row.free_names, direction, strict=True):
@@ -203,7 +203,10 @@ def _form(
     around: CellsAround,
     sides: tuple[ClosedForm, ...],
 ) -> ClosedForm:
-    """The formula that `cells` have in common, some of the cells around the system."""
+    """The formula of `cells`, which are some of the cells around the system.
+
+    The other cells around it become the `_others` of the formula.
+    """
     other_cells = [cell for cell in around.cells if cell not in cells]
     return ClosedForm(
         algebra, tuple(cells), tuple(other_cells), sides, around.is_incomplete
@@ -355,9 +358,10 @@ class ClosedForm:
         return line
 
     def holds(self, **values: Any) -> bool:
-        """Whether the formula holds at values as in `at`; not on outer borders.
+        """Whether the formula holds at values of the symbols, given as in `at`.
 
-        It does not hold if a number other than a velocity is 0 or negative.
+        It does not hold on a border to another formula, nor if a number other than a
+        velocity is 0 or negative.
         """
         point = self._point(values)
         for name, value in point.items():
@@ -380,7 +384,7 @@ class ClosedForm:
         """
         cells = self._cells
         ties = self._ties
-        # A tie p of one cell is -p for the cell on its other side.
+        # A tie p > 0 of one cell is a tie -p > 0 of the cell on its other side.
         can_unite = True
         for cell in cells:
             if len(cell.tie_normals) != len(cell.ties):
@@ -441,11 +445,14 @@ class ClosedForm:
         return "\n".join(lines)
 
     def _lines_of_symbols(self) -> list[str]:
-        """Lines that tell for which number each symbol stands."""
+        """Lines that say for which number each symbol stands."""
         return [f"{name}: {path}" for name, path in self.symbols.items()]
 
     def _lines_of_sides(self) -> list[str]:
-        """Lines that tell where other formulas meet this one, and which they are."""
+        """Lines that say where other formulas meet this one, and which they are.
+
+        At most `MAX_LISTED` formulas are listed; e at the system is given if it exists.
+        """
         equations = []
         for inequality in self._separating_inequalities[:MAX_LISTED]:
             equations.append(shortened(f"{inequality.lhs} = {inequality.rhs}"))

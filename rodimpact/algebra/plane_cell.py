@@ -24,7 +24,7 @@ CUT_ROUNDS = 8
 
 
 class PlaneCell:
-    """Results of a run, and the conditions for another to come to the same results.
+    """Results of a run, and the conditions under which its formulas hold elsewhere.
 
     Parameters
     ----------
@@ -57,18 +57,22 @@ class PlaneCell:
         self._program = Program(self._conditions, float)
 
     def signature(self) -> tuple[Any, ...]:
-        """Values that are equal for cells with the same formulas, but for times."""
+        """Key that is equal for cells with the same formulas and numbers of episodes.
+
+        Formulas of contact times are not compared.
+        """
         return signature(self.results, self._fixed_values, with_times=False)
 
     def inside(self, x: Floats, y: Floats) -> Any:
-        """Whether points lie in the cell, where all its conditions hold; [point]."""
+        """Whether each point (x, y) lies in the cell: all its conditions hold there."""
         return self._hold(self._program, x, y).all(axis=0)
 
     def share_inside(self, x: Floats, y: Floats, dx: Floats, dy: Floats) -> Floats:
         """Share of each segment from (x, y) to (x + dx, y + dy) that lies in the cell.
 
-        The segments begin inside. Each is cut into parts; the first part whose end is
-        outside is cut again.
+        All arguments are [segment] arrays, and so is the result, with values from 0 to
+        1. Each segment must begin inside. It is cut into parts; the first part whose
+        end is outside is cut again.
         """
         # Only conditions that some segment breaks at its end have borders on the way.
         holds_at_ends = self._hold(self._program, x + dx, y + dy).all(axis=1)
@@ -86,12 +90,13 @@ class PlaneCell:
             holds = self._hold(program, x + dx * ends, y + dy * ends)
             inside = holds.all(axis=0)
             inside[:, -1] = False  # the last part holds the border if no other does
-            first_outside = inside.argmin(axis=1, keepdims=True)
-            share += first_outside / parts_of_segment
+            # argmin finds the first False; all parts before it lie inside.
+            parts_inside = inside.argmin(axis=1, keepdims=True)
+            share += parts_inside / parts_of_segment
         return share[:, 0]
 
     def restitution(self, x: Floats, y: Floats) -> Floats:
-        """Values of the formula of e at points; nan without one."""
+        """Values of the formula of e at points; nan if the cell has no formula of e."""
         e = np.nan
         if self.results.restitution is not None:
             program = Program([self.results.restitution], float)
@@ -108,7 +113,7 @@ class PlaneCell:
             numbers = program(self._values_at(x, y))
             # x gives its shape to conditions that do not depend on the point.
             broadcast = np.array(np.broadcast_arrays(x, *numbers))
-            return broadcast[1:] > 0
+            return broadcast[1:] > 0  # without x
 
     def _values_at(self, x: Floats, y: Floats) -> dict[str, Any]:
         """Values of all names at points of the plane.

@@ -165,11 +165,13 @@ class PlaneSearch:
     def _cells_at(self, shares: Floats) -> Indices:
         """Index of the cell of each point; the collision is solved where none is known.
 
-        New cells are added to `cells`. A point without a cell is UNRESOLVED or
-        UNDECIDED.
+        New cells are added to `cells`. A point is UNRESOLVED if its collision is not
+        over at the cap on events or the cap on runs is reached, and UNDECIDED if floats
+        do not find it inside its own cell.
         """
         points = self.in_plane(shares)
-        cells = locate(self.cells, *points.T)
+        all_x, all_y = points.T
+        cells = locate(self.cells, all_x, all_y)
         for i in range(len(points)):
             if cells[i] != UNRESOLVED or self._runs >= self._max_runs:
                 continue
@@ -218,7 +220,8 @@ class PlaneSearch:
         shares = np.arange(LATTICE + 1) / LATTICE
         mesh = np.stack(np.meshgrid(shares, shares, indexing="ij"), axis=-1)
         nodes = _rounded(mesh.reshape(-1, 2))
-        cells = np.maximum(self._cells_at(nodes), UNRESOLVED)  # also if UNDECIDED
+        # maximum() turns UNDECIDED, which is -2, into UNRESOLVED, which is -1.
+        cells = np.maximum(self._cells_at(nodes), UNRESOLVED)
         # node_at[i, j] is the node in step i along x and j along y; an edge along x
         # ends one step further in i, an edge along y in j.
         node_at = np.arange(len(nodes)).reshape(LATTICE + 1, LATTICE + 1)
@@ -243,16 +246,16 @@ class PlaneSearch:
             is_change = regions[:, 0] != regions[:, 1]
             edges = edges.select(is_change)
             regions = regions[is_change]
-            # The cell of the start ends at the share `left`, and that of the end at
-            # `right`.
+            # As shares of an edge: the cell of its start ends at `left`, the cell of
+            # its end begins at `right`.
             left = self._share_inside(edges.start, edges.end, edges.cells[:, 0])
             right = 1 - self._share_inside(edges.end, edges.start, edges.cells[:, 1])
             points = edges.points_at((left + right) / 2)
             touch = right - left < BORDER_TOLERANCE
             apart = ~touch
 
-            # Which cell lies between two cells that are apart? An edge has about
-            # 1/LATTICE of the axis, so this room is a share of the axis.
+            # Find the cell between two cells that are apart. An edge is about 1/LATTICE
+            # of the axis long, so `room` is a share of the axis.
             room = (right - left) / LATTICE
             cut_points = points.copy()
             cut_points[apart] = _rounded(points[apart], room[apart, None])
@@ -292,12 +295,15 @@ class PlaneSearch:
 
     def _regions_at(self, edges: Edges) -> Indices:
         """Regions at start and end of edges, [edge, 2]; -1 for unresolved points."""
-        region_of_cell = np.append(self.regions, -1)  # the last is that of cell -1
+        region_of_cell = np.append(self.regions, -1)  # index -1 gives region -1
         regions: Indices = region_of_cell[edges.cells]
         return regions
 
     def _share_inside(self, start: Floats, end: Floats, cells: Indices) -> Floats:
-        """Share of each way from start to end that lies in the cell of the start."""
+        """Share of each way from start to end that lies in the cell of the start.
+
+        `cells` has the cell of each start. The share is 0 for UNRESOLVED ones.
+        """
         shares = np.zeros(len(start))
         for c in set(cells.tolist()) - {UNRESOLVED}:
             of_cell = np.flatnonzero(cells == c)
@@ -348,13 +354,13 @@ class PlaneSearch:
 
 
 def locate(cells: Sequence[PlaneCell], x: Floats, y: Floats) -> Indices:
-    """Index of the first cell in which points lie; -1 without one."""
+    """Index of the first cell in which each point lies; UNRESOLVED if there is none."""
     indices = np.full(x.shape, UNRESOLVED)
     for i, cell in enumerate(cells):
-        is_open = indices == UNRESOLVED
-        if is_open.any():
-            is_inside = cell.inside(x[is_open], y[is_open])
-            indices[is_open] = np.where(is_inside, i, UNRESOLVED)
+        remaining = indices == UNRESOLVED
+        if remaining.any():
+            is_inside = cell.inside(x[remaining], y[remaining])
+            indices[remaining] = np.where(is_inside, i, UNRESOLVED)
     return indices
 
 

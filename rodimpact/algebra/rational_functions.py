@@ -117,14 +117,14 @@ class RationalFunctions:
     def functions_of(
         self, numbers: Iterable[TracedFraction], max_terms: float = math.inf
     ) -> list[Any]:
-        """Numbers of a run as rational functions.
+        """Numbers of a run as rational functions, elements of SymPy's field.
 
         `max_terms` bounds the terms that all steps together multiply.
 
         Raises
         ------
         FormulaTooLong
-            If they become too long.
+            If a single step, or all steps together, multiply too many terms.
         """
         multiplied = 0  # terms so far
 
@@ -153,8 +153,9 @@ class RationalFunctions:
     ) -> list[Any]:
         """Factors whose signs decide the signs of numbers, each once.
 
-        Each is a polynomial with coefficients in lowest terms, and the sign with which
-        it is positive at a point. Factors of a sure sign are left out.
+        Each is a polynomial with integer coefficients without a common divisor. Its
+        sign is chosen so that it is positive at the point. Factors with only positive
+        or only negative coefficients, and no velocity, are left out.
         """
         factors: dict[Any, None] = {}  # the keys are the factors, in order
         for f in self._counted(self.functions_of(numbers, max_terms)):
@@ -170,7 +171,8 @@ class RationalFunctions:
     def without_implied(self, polynomials: Iterable[Any]) -> list[Any]:
         """Polynomials without those that others imply: linear ones, then the rest.
 
-        The result may still imply one another, where that is harder to see.
+        Each part is sorted by length. Some that others imply may remain, since only
+        simple implications are found.
         """
         ordered = sorted(polynomials, key=lambda p: (len(p), str(p)))
         linear = [p for p in ordered if p.is_linear]
@@ -214,9 +216,9 @@ class RationalFunctions:
         return np.array(derivatives)
 
     def distance(self, p: Any) -> float:
-        """Relative change of the numbers of the system that makes p zero, about.
+        """Estimate of the relative change of the system's numbers that makes p zero.
 
-        It is p/norm(slope of p), inf where the slope is 0.
+        It is p/norm(slope of p), inf if the slope is 0.
         """
         slope = float(np.linalg.norm(self.slope(p)))
         if not slope:
@@ -254,9 +256,8 @@ class RationalFunctions:
 def check_length(left: Any, right: Any) -> int:
     """Number of terms that are multiplied if two rational functions are combined.
 
-    FormulaTooLong is raised if they are too many.
-
-    The greatest common divisor of the result would take minutes.
+    FormulaTooLong is raised if there are more than `MAX_PRODUCT_TERMS`: the greatest
+    common divisor of the result would then take minutes.
     """
     terms = 1
     for f in (left, right):
@@ -288,9 +289,10 @@ def definite(p: Any) -> bool:
 
 
 def _odd_factors(f: Any) -> list[Any]:
-    """Factors with an odd power in numerator or denominator: they change the sign.
+    """Factors with an odd power in numerator or denominator: the sign depends on them.
 
-    A numerator that is linear or long is a factor by itself.
+    A numerator that is linear, or has more than `MAX_FACTORED_TERMS` terms, is a factor
+    by itself.
     """
     if len(f.numer) > MAX_FACTORED_TERMS or f.numer.is_linear:
         factors_of_numerator = [(f.numer, 1)]
@@ -335,7 +337,8 @@ def _follows(p: Any, forms: list[Any]) -> bool:
     parts = np.vstack([coefficients[1:], positive_monomials])
     shares, _ = nnls(parts.T, coefficients[0])
     remainder = p
-    # The last shares are those of the monomials, which stay in the remainder.
+    # `zip` leaves out the last shares, those of the monomials: their parts stay in the
+    # remainder.
     for q, share in zip(forms, shares, strict=False):
         exact = Fraction(share).limit_denominator(MAX_SHARE_DENOMINATOR)
         remainder -= q * ring.domain(exact.numerator, exact.denominator)
@@ -357,7 +360,8 @@ class Substitution(NamedTuple):
 def _in_new_variables(p: Any, linear: list[Any]) -> Iterator[Any]:
     """The polynomial with one or two variables replaced by positive linear forms.
 
-    All choices of the variables and forms come in turn; none for a long polynomial.
+    One polynomial is yielded for each choice of variables and forms; none if p has more
+    than `MAX_COMPARED_TERMS` terms.
     """
     if len(p) > MAX_COMPARED_TERMS:
         return

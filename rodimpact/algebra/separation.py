@@ -25,17 +25,20 @@ class Separation(NamedTuple):
 
 
 def separation_of(run: ExactRun, contact: int, tick: Any) -> Separation:
-    """Conditions under which a contact does not press again after the tick of the run.
+    """Conditions under which a contact does not press again after a tick of the run.
 
-    They are those of the first of the three reasons above that holds in the run. The
-    tick is a traced fraction.
+    They are those of the first of the three reasons above that holds in the run: the
+    velocity with which the gap opens; the order of circulating waves and the
+    differences of their velocities; or the mean opening velocity, the mean gap, and the
+    gap's square less the square that vibration can bridge. The tick is a traced
+    fraction.
     """
     simulation = run.simulation
     k = run.nodes[contact]
     node = simulation.nodes[k]
     left = simulation.segments[k]
     right = simulation.segments[k + 1]
-    last = max(k, right.group_last)  # outside, `group_last` is 0
+    last = max(k, right.group_last)  # outside the row, `group_last` is 0
     is_still = finality.no_front_in_flight(simulation.lines, left.group_first, last)
     if is_still and node.gap_rate >= 0:
         return Separation([node.gap_rate], uses_energy=False)
@@ -94,7 +97,7 @@ class CirculatingWave(NamedTuple):
     """A front that goes round in a uniform body, and the wave behind it."""
 
     velocity: TracedFraction  # m/s
-    tick: TracedFraction  # when the front leaves the far end towards the contact
+    tick: TracedFraction  # when the front leaves the body's far end for the contact
 
 
 def _wave_conditions(run: ExactRun, k: int) -> list[TracedFraction]:
@@ -118,9 +121,10 @@ def _wave_conditions(run: ExactRun, k: int) -> list[TracedFraction]:
 def _circulating_waves(
     run: ExactRun, k: int, *, is_right: bool
 ) -> list[CirculatingWave]:
-    """Waves in the body on the left or right of node k, as they come to the contact.
+    """Waves in the body on the left or right of node k, the next to arrive first.
 
-    Without a front in flight there is one: the wave that arrives all the time.
+    Without a front in flight there is one, at tick 0: the constant incoming wave. With
+    fronts in flight the body must be a single segment.
     """
     simulation = run.simulation
     lines = simulation.lines
@@ -133,11 +137,11 @@ def _circulating_waves(
         incoming_line = 2 * k + 3
     s = group.group_first
     last = group.group_last
-    is_outside = last == 0
+    is_outside = last == 0  # outside the row, the group is the empty range 1 to 0
     if is_outside or finality.no_front_in_flight(lines, s, last):
-        return [CirculatingWave(lines[incoming_line].incoming_wave, ZERO)]
-    # Waves circulate in a uniform body, so it is the single segment s. A receding front
-    # turns at the far end, one transit after it left the contact.
+        return [CirculatingWave(lines[incoming_line].incoming_wave, tick=ZERO)]
+    # End velocities are bounded beside fronts only for a uniform body, the segment s. A
+    # receding front turns at the far end, one transit after it left the contact.
     approaching = 2 * s
     receding = 2 * s + 1
     if is_right:
@@ -153,7 +157,8 @@ def _circulating_waves(
 def _waves_in_flight(simulation: Simulation, line: int) -> list[CirculatingWave]:
     """Waves behind the fronts in flight on a line, the one that arrives next first.
 
-    Each has the tick at which its front left the line's beginning.
+    Here the tick of a wave is when its front left the beginning of the line: the
+    contact on a receding line, the far end on an approaching one.
     """
     waves = []
     r = simulation.lines[line].next_row

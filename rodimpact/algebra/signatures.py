@@ -19,10 +19,11 @@ SEED = 1867
 def signature(
     results: Exact, names: Iterable[str], *, with_times: bool
 ) -> tuple[Any, ...]:
-    """Number of episodes of each contact, then values of all formulas at random names.
+    """Key of a cell: numbers of episodes, then values of all formulas at random names.
 
-    The names have the same random values in every call, so that equal formulas have
-    equal values. Formulas of contact times count only if `with_times`.
+    There is one number of episodes for each contact. The names have the same random
+    values in every call, so that equal formulas have equal values. The formulas of
+    contact times are evaluated only if `with_times`.
     """
     compared = results
     if not with_times:

@@ -30,10 +30,10 @@ class SquareRoots:
         self._root_of: dict[Fraction, Fraction] = {}
 
     def root(self, square: Fraction) -> Fraction:
-        """Square root of a fraction, to `ROOT_BITS` bits if it is irrational.
+        """Square root of a positive fraction, to `ROOT_BITS` bits if it is irrational.
 
-        If its ratio to an earlier root is rational, it is that ratio times the earlier
-        root. Otherwise it is kept for later ones.
+        If the ratio of the root to an earlier root is rational, the result is this
+        ratio times the earlier root. Otherwise the new root is stored for later calls.
         """
         for earlier, earlier_root in self._root_of.items():
             ratio = rational_root(square / earlier)

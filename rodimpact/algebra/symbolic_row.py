@@ -135,26 +135,28 @@ class SymbolicRow:
     def free_names(self) -> list[str]:
         """Names of the numbers of a run that can be changed one by one.
 
-        A wave speed c stands for its E, which follows from c and rho. If only one of E
-        and rho has a name, c stands for that one.
+        Of E, rho and c = sqrt(E/rho), rho and c are free if both E and rho have names,
+        and only c if one of them has. A c that has a name only because it is irrational
+        is not free.
         """
         names = []
         for name in self.base:
             if not name.startswith(("E", "rho")):
                 names.append(name)
-        for E, rho in self.wave_speeds.values():
-            if isinstance(E, str) and isinstance(rho, str):
-                names.append(rho)
+        for speed in self.wave_speeds.values():
+            modulus_has_name = isinstance(speed.youngs_modulus, str)
+            if modulus_has_name and isinstance(speed.density, str):
+                names.append(speed.density)
         for name, speed in self.wave_speeds.items():
             if speed.has_symbol:
                 names.append(name)
         return names
 
     def values(self, changed: Mapping[str, Fraction]) -> dict[str, Fraction]:
-        """Values of all names in a run: those of the system, but for those `changed`.
+        """Values of all names in a run: those in `changed`, else those of the system.
 
-        Wave speeds follow from E and rho unless they are among the changed; a wave
-        speed is 0 where E or rho is not positive.
+        A wave speed that is not in `changed` is sqrt(E/rho), or 0 if E or rho is not
+        positive.
         """
         values = {**self.base, **changed}
         for name, speed in self.wave_speeds.items():
@@ -263,7 +265,8 @@ class _SymbolSource:
         """
         material: Any = segment.material
         path = f"{path}.material"
-        # Where a symbol is wrong, the density is suggested for both numbers.
+        # The remedy for a wrong symbol suggests paths that were asked for. The density
+        # stands for both E and rho there.
         self._asked_paths.append(f"{path}.density")
         number = self._number_of_material(path, material)
         E = self._name_or_value(

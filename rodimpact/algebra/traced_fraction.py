@@ -45,7 +45,10 @@ FUNCTIONS: dict[str, BinaryFunction] = {
 
 
 def _comparison(compare: BinaryFunction) -> Callable[[Any, Any], bool]:
-    """Make a method that compares the value with a number or with a traced fraction."""
+    """Make a method that compares the value with a number or with a traced fraction.
+
+    The method returns a bool, and no history records the comparison.
+    """
 
     def method(x: TracedFraction, y: Any) -> bool:
         other = y
@@ -143,9 +146,10 @@ class TracedFraction:
         return self
 
     def __trunc__(self) -> TracedFraction:
-        """Undo the half tick that kernels add to round a time: trunc(t + 1/2) is t.
+        """Subtract 1/2, without truncation.
 
-        Exact times need no rounding.
+        Kernels round a time t to trunc(t + 1/2). Exact times need no rounding, so the
+        result is t itself.
         """
         return TracedFraction.combine("-", self, HALF)
 
@@ -226,14 +230,14 @@ class Program:
         """List the steps of the histories, the operands of each step before it."""
         index_of_step: dict[Step, int] = {}  # equal steps are computed once
         index_of: dict[int, int] = {}  # step of each traced fraction, by its id
-        pending = wanted[::-1]
+        pending = wanted[::-1]  # a stack: the last number is taken first
         while pending:
             x = pending.pop()
             operands: tuple[TracedFraction, ...] = ()
             if isinstance(x.expression, tuple):
                 operands = x.expression[1:]
             missing = [y for y in operands if id(y) not in index_of]
-            if missing:  # operands go first
+            if missing:  # x goes back on the stack, below its missing operands
                 pending += [x, *missing]
                 continue
             step = _step_of(x, index_of)
@@ -251,9 +255,14 @@ class Program:
         names: Mapping[str, Any],
         before_operation: Callable[[Any, Any], None] | None = None,
     ) -> list[Any]:
-        """Compute the numbers from a fraction, symbol or array for each name.
+        """Compute the wanted numbers, in their order.
 
-        The function `before_operation` is called with the operands of each operation.
+        Parameters
+        ----------
+        names : mapping of str
+            Fraction, symbol or array for each name.
+        before_operation : callable, optional
+            Called with the two operands before each operation.
         """
         results: list[Any] = []
         for step in self._steps:
@@ -273,8 +282,8 @@ class Program:
 def _step_of(x: TracedFraction, index_of: Mapping[int, int]) -> Step:
     """Step that computes a traced fraction.
 
-    Its operands are computed by earlier steps: `index_of` has their numbers by the id
-    of the operand.
+    Its operands are computed by earlier steps: `index_of` has the index of this step
+    for the id of each operand.
     """
     if x.expression is None:
         return Constant(x.value)

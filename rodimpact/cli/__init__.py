@@ -45,7 +45,7 @@ NO_COMMANDS = {
     "units": "rodimpact help units lists the units",
     "version": "rodimpact --version prints it",
 }
-"""Words that are taken for commands, with what does this."""
+"""Words that users take for commands, and the call that they need."""
 NO_OPTIONS = {
     ("rodimpact run", "--csv"): (
         "--gauges FILE.csv writes strains over time, --json prints all numbers"
@@ -55,7 +55,7 @@ NO_OPTIONS = {
     ("rodimpact reduce", "--plot"): "--save FILE.png draws the curve",
     ("rodimpact bearing", "--units"): "results are in SI units",
 }
-"""Options that a command is thought to have, with what does this."""
+"""Options that users expect of a command, and the call that they need."""
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -87,10 +87,9 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _replace_closed_streams() -> None:
-    """Replace standard streams that are closed by ones that lead nowhere.
+    """Replace closed standard streams, which are None, by streams to the null device.
 
-    If standard output were None, `print` would write nothing, but writing to the stream
-    itself would fail.
+    `print` ignores a stream that is None, but `sys.stdout.write` would fail.
     """
     for name in ("stdout", "stderr"):
         if getattr(sys, name) is None:
@@ -98,7 +97,11 @@ def _replace_closed_streams() -> None:
 
 
 def _complain_of(error: Exception) -> int:
-    """Print an error of a command; return its exit status."""
+    """Print an error of a command; return its exit status.
+
+    Errors that are neither a mistake of the user nor one of the machine are printed
+    with a traceback, as faults of rodimpact.
+    """
     if isinstance(error, FileExistsError):
         return complain(str(error), MISTAKE)
     if isinstance(error, OSError):
@@ -110,7 +113,7 @@ def _complain_of(error: Exception) -> int:
         return complain(
             f"a number is too large or too small to compute with: {error}", MISTAKE
         )
-    if hasattr(error, "problems"):
+    if hasattr(error, "problems"):  # InvalidModel, whose import would take long
         return complain(str(error), MISTAKE)
     traceback.print_exception(error)
     return complain(
@@ -198,7 +201,11 @@ class _Parser(argparse.ArgumentParser):
         args: Sequence[str] | None = None,
         namespace: argparse.Namespace | None = None,
     ) -> argparse.Namespace:
-        """As argparse does, but an unknown word is answered by `_hint`."""
+        """Parse arguments as argparse does, except for the message on an unknown word.
+
+        The message says that a number lacks quotes, or is that of `_hint`; then the
+        program exits.
+        """
         parsed, unknown = self.parse_known_args(args, namespace)
         if unknown:
             words = sys.argv[1:]
@@ -216,6 +223,8 @@ class _Parser(argparse.ArgumentParser):
 
         if not word.startswith("-"):
             remedy = f"{self.prog} --help shows what it takes"
+            # A file such as out.csv may be meant for the output of --csv, which is
+            # printed. An action whose `nargs` is 0 is an option without a value.
             ending = word.lower().rpartition(".")[2]
             for action in self._actions:
                 if f"--{ending}" in action.option_strings and action.nargs == 0:
@@ -233,9 +242,9 @@ class _Parser(argparse.ArgumentParser):
 
 
 def _parted_number(words: list[str]) -> str:
-    """A number and its unit that are two words, such as "2 ms" in quotes; "" if none.
+    """The first number whose unit is a word of its own, such as "2 ms"; "" if none.
 
-    The shell parts them where the quotes are missing.
+    The shell separates them if the quotes are missing. The result is in quotes.
     """
     from ..units import DIMENSION_OF_UNIT, is_amount
 
@@ -292,11 +301,13 @@ def _new_parser(
 
 
 def _print(text: str | Iterable[str]) -> bool:
-    """Print a result; return whether it could be written, else after a message.
+    """Print a result; return False, after a message, if it could not be written.
 
-    It is no failure if the reader has gone.
+    A closed pipe, whose reader has gone, is no failure. Signs that the stream cannot
+    encode are escaped. A text has calls of Python replaced by options; lines are data,
+    which stay as they are.
     """
-    lines = text  # rows of data, which stay as they are
+    lines = text
     if text == "":
         lines = []
     elif isinstance(text, str):
@@ -310,7 +321,7 @@ def _print(text: str | Iterable[str]) -> bool:
             sys.stdout.write(printable + "\n")
         sys.stdout.flush()
     except OSError as error:
-        # nothing may be left to write when the interpreter ends
+        # At its end the interpreter flushes the stream again: into the null device.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         if not isinstance(error, BrokenPipeError):
             reason = error.strerror if error.strerror else error

@@ -126,7 +126,7 @@ class Arguments(argparse.Namespace):
                 if name == "":
                     name = name_of.get(path, path)
                 if name == "":
-                    raise
+                    raise  # the error as it is: a fault of rodimpact
                 problems.append((name, message))
             raise InvalidModel(problems) from error
 
@@ -177,16 +177,16 @@ class Arguments(argparse.Namespace):
         return options
 
     def name_entries(self, text: str) -> str:
-        """The text with entries of the case in place of the arguments that they gave.
+        """The text with names of arguments replaced by the case entries that gave them.
 
-        Options stand for the other arguments when the text is printed.
+        The other names are replaced by options when the text is printed.
         """
         for name in RUN_NUMBERS:
             entry = self.options.get(name, "")
             if not entry.startswith("solve."):
                 continue
             pattern = rf"{NOT_QUOTED}{name}="
-            if name in ONLY_ARGUMENTS:
+            if name in ONLY_ARGUMENTS:  # the name alone, without "=", is replaced too
                 pattern += r"?(?!\w)"
             text = re.sub(pattern, entry, text)
         return text
@@ -194,22 +194,23 @@ class Arguments(argparse.Namespace):
     # Output files
 
     def check_outputs(self, *names: str, figure: str = "") -> None:
-        """Refuse, before any work, files that must not or cannot be written.
+        """Raise an error, before any work, if an output file cannot be written.
 
-        An argument that names no file, None, is passed over.
+        Arguments that are None are ignored.
 
         Parameters
         ----------
         *names : str
             Arguments that name files.
         figure : str
-            The argument that names the file of a figure.
+            The one of these arguments that names a figure, "" if there is none. The
+            ending of its file must be that of a format.
 
         Raises
         ------
         InvalidModel
-            If there are mistakes, these or earlier ones. A file that exists without
-            --force, or that is named for two outputs, is a mistake.
+            If there are mistakes, in the files or earlier ones. A file that exists
+            without --force, or that is named for two outputs, is a mistake.
         OSError
             If a file cannot be written.
         """

@@ -57,7 +57,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: Arguments) -> CommandResult:
-    """Check all arguments, solve the blows, write the figure; table, CSV or JSON."""
+    """Bearing graph of the pile: check all arguments, solve a blow for each resistance.
+
+    The figure is written if it is asked for. The result is a table, CSV or JSON; its
+    status is INCOMPLETE if a blow did not come to its end.
+    """
     case = args.read_case()
     resistances = _resistances(args)
     args.check_outputs("plot", figure="plot")
@@ -65,7 +69,7 @@ def run(args: Arguments) -> CommandResult:
     options: dict[str, Any] = {}
     if args.cells is not None:
         options["cells"] = args.cells
-    names = {"resistances": "--resistance"}
+    names = {"resistances": "--resistance"}  # paths of mistakes, all of one option
     for i in range(len(resistances)):
         names[f"resistances[{i}]"] = "--resistance"
     with args.naming_mistakes(names=names):

@@ -138,7 +138,7 @@ def run(args: Arguments) -> CommandResult:
 
 
 class Collision(NamedTuple):
-    """A collision of the box."""
+    """A collision of the textbook's box, to be solved."""
 
     title: str
     names: tuple[str, str]  # names of the bodies
@@ -146,7 +146,7 @@ class Collision(NamedTuple):
 
 
 class Replay(NamedTuple):
-    """A collision of the box that is solved."""
+    """A collision of the textbook's box with its solution."""
 
     title: str
     names: tuple[str, str]
@@ -159,9 +159,10 @@ def rod(material: Material, length: float, velocity: float = 0.0) -> Rod:
 
 
 def box_collisions(material: Material, ratio: float) -> list[Collision]:
-    """The collisions of the box, in the order of `KEYS`.
+    """Title and bodies of each collision, not yet solved, in the order of `KEYS`.
 
-    `ratio` is l1/l2 of the rods of different length.
+    They are identical rods, a rod and a wall, rods of the length ratio l1/l2 = `ratio`,
+    and a dowel on a floor, whose material is always oak. The first body moves at 1 m/s.
     """
     striker = rod(material, length=1.0, velocity=1.0)
     struck = rod(material, length=1.0)
@@ -227,7 +228,8 @@ def describe(replay: Replay) -> str:
 def _result_rows(replay: Replay) -> Iterator[list[str]]:
     """Rows of the table, header first: results of the solver beside the theory.
 
-    Velocities follow without theory, then the errors of the balances beside 0.
+    Rows of the velocities, without theory, follow, then rows of the errors of the
+    momentum and energy balances, whose theory is 0.
     """
     outcome = replay.solution.outcome
     theory: Any = pair_theory(replay.solution.system)
@@ -262,7 +264,10 @@ def _result_rows(replay: Replay) -> Iterator[list[str]]:
 
 
 def _remark(replay: Replay) -> str:
-    """Remark on round trips, the end of force and contact, and vibration energy."""
+    """Remark on the round-trip times, and on the definition of vibration energy.
+
+    If the gap opens later than the force ends, the remark also explains that.
+    """
     duration = replay.solution.outcome.duration
     episode = replay.solution.contacts[0].episodes[0]
     round_trips = []
@@ -318,7 +323,10 @@ class FigureFiles:
 
 
 def _check_files(args: Arguments, files: FigureFiles) -> None:
-    """Raise InvalidModel for files that exist, unless forced, and earlier mistakes."""
+    """Raise InvalidModel for all mistakes of the call so far, and of its folder.
+
+    The folder must not be a file. Figures in it must not exist without --force.
+    """
     folder = files.folder
     existing = [name for name in (*files.names, PAGE) if (folder / name).exists()]
     if folder.exists() and not folder.is_dir():
@@ -338,7 +346,8 @@ def draw(
 ) -> None:
     """Draw all `VIEWS` of all collisions, and e over the ratio of lengths, into files.
 
-    The paths are in the same order.
+    `paths` has the files in this order: the views of the first collision, of the
+    second, ..., then e.
     """
     from .. import plot
     from ..plot.moments import moments

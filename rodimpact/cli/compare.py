@@ -107,7 +107,7 @@ def run(args: Arguments) -> CommandResult:
 
 
 def _check_arguments(args: Arguments, positions: GaugePositions) -> None:
-    """Add a problem for no gauge, a radius not positive, or one without --carried."""
+    """Add problems: no gauge, a radius that is not positive or lacks --carried."""
     if not positions:
         args.problems.append(
             (
@@ -123,7 +123,7 @@ def _check_arguments(args: Arguments, positions: GaugePositions) -> None:
 
 
 def _window(args: Arguments, name: str, record: Signal) -> Signal:
-    """The part of a record that is compared."""
+    """The part of a record from --start to --stop; by default all of it."""
     start = record.start
     if args.start is not None:
         start = args.start
@@ -162,7 +162,7 @@ def _prediction(args: Arguments, solution: Solution, position: GaugePosition) ->
     if args.carried is None:
         return signal
     rod: Any = solution.system.bodies[position.body]
-    margin = signal.end / 4
+    margin = signal.end / 4  # room for the pulse, which dispersion spreads
     extended = signal.extended(margin, margin)
     return extended.propagated(args.carried, rod, radius=args.radius)
 
@@ -170,8 +170,8 @@ def _prediction(args: Arguments, solution: Solution, position: GaugePosition) ->
 def _comparison(args: Arguments, measured: Signal, predicted: Signal) -> Comparison:
     """Misfit of a prediction, and the pulses of the record and of the prediction.
 
-    The prediction is shifted and multiplied as the misfit says before its pulse is
-    taken, in the time of the record.
+    The pulse of the prediction is found after shift and factor of the misfit are
+    applied, in the time of the record. `predicted` of the result is without both.
     """
     misfit = measured.misfit(predicted, shift=args.shift, scale=args.scale)
     shifted = predicted.replace(
@@ -208,7 +208,7 @@ def _tables(comparisons: dict[str, Comparison]) -> str:
 
 
 def _pulse_rows(name: str, comparison: Comparison) -> Iterator[list[str]]:
-    """Rows on the pulses of a channel and of its prediction."""
+    """Rows of `PULSE_ROWS`, header first; "-" for a signal without a whole pulse."""
     yield [name, "measured", "predicted"]
     for field, words in PULSE_ROWS.items():
         unit = "s"
@@ -224,7 +224,7 @@ def _pulse_rows(name: str, comparison: Comparison) -> Iterator[list[str]]:
 
 
 def _misfit_rows(comparison: Comparison) -> list[list[str]]:
-    """Rows on misfit, shift and factor of a prediction."""
+    """Rows of misfit, shift and factor of a prediction, without a header."""
     misfit = comparison.misfit
     shift = format_si(misfit.shift, "s")
     if misfit.at_limit:

@@ -68,7 +68,8 @@ def _caps(case: Case) -> dict[str, Any]:
 def _text_of(form: ClosedForm, kinds: list[str], all_conditions: bool) -> str:
     """Lines of e, velocities, impulses and contact times, and where they hold.
 
-    The conditions are all of them, or the nearest.
+    These are all conditions, if there are any, or the nearest ones. e is left out if it
+    has no formula.
     """
     lines = []
     if form.restitution is not None:

@@ -38,7 +38,11 @@ def add_gauge_option(parser: argparse.ArgumentParser, meaning: str) -> None:
 
 
 def gauge_positions(args: Arguments, case: Case | None) -> GaugePositions:
-    """Positions of the gauges of the call, or else of the case; problems are added."""
+    """Positions of the gauges in --gauge, or without it those of the case.
+
+    Mistakes are added to the problems of the call. The result is empty without --gauge
+    and case.
+    """
     if not args.gauge:
         return _positions_in_case(args, case)
     return positions_in(args, case, "--gauge", args.gauge)
@@ -56,7 +60,8 @@ def positions_in(
     for text in texts:
         name, _, position_text = text.rpartition("=")
         number, _, x = position_text.partition(":")
-        is_complete = all((name, number.strip().isdecimal(), x))
+        has_body = number.strip().isdecimal()
+        is_complete = name != "" and has_body and x != ""
         if not is_complete or name in positions:
             message = (
                 f"must be {GAUGE_FORM}, such as incident=1:0.5, each name once, got "
@@ -75,7 +80,7 @@ def positions_in(
 def _check_position(
     args: Arguments, option: str, position: GaugePosition, x: str, case: Case
 ) -> None:
-    """Add a problem if a gauge lies in no rod; `x` is its position as it was given."""
+    """Add a problem if a gauge lies in no rod; `x` is the text of its position."""
     lengths = _rod_lengths(case)
     if position.body not in lengths:
         rods = ", ".join(map(str, lengths))

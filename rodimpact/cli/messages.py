@@ -81,7 +81,11 @@ _GRID = re.compile(r'vary=\{"([^"]+)": "([^"]+)"\}')
 
 
 def complain(message: str, status: int) -> int:
-    """Print a mistake or a fault; return the exit status that goes with it."""
+    """Print a message on standard error, in words of the command line; return `status`.
+
+    Each of its lines begins with "rodimpact: ". Nothing is printed if the stream is
+    closed.
+    """
     with suppress(OSError):  # standard error is closed
         for line in as_options(message).splitlines():
             print(f"rodimpact: {line}", file=sys.stderr)
@@ -103,9 +107,9 @@ def option_of(argument: str) -> str:
 
 
 def as_options(text: str) -> str:
-    """The text with the words of the command line in place of those of Python.
+    """The text with arguments and calls of Python in the words of the command line.
 
-    They are options and entries of a case file in place of arguments and calls.
+    Arguments become options; in a line about the table [solve] they become its entries.
 
     Examples
     --------

@@ -83,9 +83,10 @@ def add_record_options(parser: argparse.ArgumentParser) -> None:
 
 
 def read_record(args: Arguments, wanted: Iterable[str]) -> dict[str, Signal]:
-    """Channels of the record; the wanted ones as strain if there is a bridge.
+    """All channels of the record, the wanted ones as strain if there is a bridge.
 
-    The result is empty, and problems are added, if the record or its bridge is invalid.
+    A problem is added for each wanted name that is no channel. The result is empty, and
+    problems are added, if the record or its bridge is invalid.
     """
     bridge = _bridge(args)
     if args.problems:
@@ -107,9 +108,9 @@ def read_record(args: Arguments, wanted: Iterable[str]) -> dict[str, Signal]:
 def _read_files(args: Arguments) -> dict[str, Signal]:
     """Channels of all files of the record.
 
-    If there are several files, a channel bears the name of its file; of a file with
-    several channels, the name of the file, a point, and its own. The result is empty,
-    and a problem is added, if a file cannot be read.
+    A single file gives the channels their names. If there are several files, the name
+    is FILE, or FILE.CHANNEL for a file with several channels. The result is empty, and
+    a problem is added, if a file cannot be read.
     """
     signals: dict[str, Signal] = {}
     for path in args.record:
@@ -151,7 +152,7 @@ def _units(texts: list[str]) -> Any:
 
     A text is a unit, or a channel and its unit, such as "gauge 1=V".
     """
-    units = {}
+    units = {}  # by channel; "" is the channel of a text without "="
     for text in texts:
         channel, _, unit = text.rpartition("=")
         units[channel] = unit
@@ -163,7 +164,10 @@ def _units(texts: list[str]) -> Any:
 
 
 def _bridge(args: Arguments) -> Bridge | None:
-    """The bridge; None if there is none, or, with problems added, if it is invalid."""
+    """The bridge of the call; None without --bridge.
+
+    It is also None if the bridge is invalid; then problems are added.
+    """
     numbers = {}
     for name in BRIDGE_NUMBERS:
         number = getattr(args, name)

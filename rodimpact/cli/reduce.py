@@ -124,7 +124,7 @@ def run(args: Arguments) -> CommandResult:
     With --strict, doubts make the exit status INCOMPLETE.
     """
     case = args.read_case()
-    # Whether pulses are given that were cut out of their records.
+    # Whether the call gives pulses that were cut out of their records.
     is_cut = any(getattr(args, name) is not None for name in PULSES)
     if is_cut:
         positions = _positions_of_pulses(args, case)
@@ -169,8 +169,7 @@ def run(args: Arguments) -> CommandResult:
 def _check_direct_impact(args: Arguments, bodies: set[int], is_cut: bool) -> None:
     """Add a problem unless all gauges are on one bar, behind the striker.
 
-    Pulses that are cut out of their records, and --equal-forces, do not go with a
-    direct impact either.
+    Cut pulses or --equal-forces beside --direct-impact are a problem, too.
     """
     if is_cut or args.equal_forces:
         message = "goes with --gauge alone; equal forces are assumed"
@@ -209,7 +208,7 @@ def _positions_of_pulses(args: Arguments, case: Case) -> GaugePositions:
 def _check_units(
     args: Arguments, positions: GaugePositions, signals: dict[str, Signal]
 ) -> None:
-    """Add a problem for each channel that is no strain."""
+    """Add a problem for each channel with a gauge that has a unit: it is no strain."""
     for name in positions:
         if name in signals and signals[name].unit:
             message = (
@@ -228,8 +227,10 @@ def _reduce(
 ) -> Reduction:
     """Reduce the record of a shot: gauges of two bars, cut pulses, or a direct impact.
 
-    Gauges of the first of the two bodies are those of the input bar; their distance is
-    that from the specimen, at its right end.
+    The first body with a gauge is the input bar, the next one the output bar; in a
+    direct impact the only body with gauges is the output bar. Distances of gauges are
+    measured from the specimen: at the right end of the input bar, at the left end of
+    the output bar.
     """
     first = min(position.body for position in positions.values())
     if args.direct_impact:

@@ -62,7 +62,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: Arguments) -> CommandResult:
-    """Collide the bodies; a table of both and one of sums and energies, or JSON."""
+    """Collide the bodies; two tables, of the bodies and of the collision, or JSON."""
     m1 = _mass(args, "--m1", args.m1)
     m2 = _mass(args, "--m2", args.m2)
     raise_if_problems(args.problems)
@@ -82,19 +82,20 @@ def run(args: Arguments) -> CommandResult:
         Body(m2, args.v2, numbers["velocity_2"]),
     ]
     fastest = max(abs(args.v1), abs(args.v2))
-    # The smaller mass, since the other may be that of a wall, inf.
+    # The scale has the smaller mass, since the mass of a wall is infinite.
     scales = Scales(velocity=fastest, momentum=min(m1, m2) * fastest)
     rows = [HEADER]
     for number, body in enumerate(bodies, 1):
         rows.append(_row(number, body, scales))
     sums = [
         ["coefficient of restitution e", format_si(e, "")],
-        ["speed of approach", scales.speed(-numbers["relative_velocity_before"])],
-        ["speed of separation", scales.speed(numbers["relative_velocity_after"])],
+        # Relative velocities are those of body 2, so approach is negative.
+        ["speed of approach", scales.speed_text(-numbers["relative_velocity_before"])],
+        ["speed of separation", scales.speed_text(numbers["relative_velocity_after"])],
         ["impulse on body 2", format_si(numbers["impulse"], "N s")],
         [
             "velocity of the centre of mass",
-            scales.speed(numbers["centre_of_mass_velocity"]),
+            scales.speed_text(numbers["centre_of_mass_velocity"]),
         ],
         ["kinetic energy before", format_si(numbers["energy_before"], "J")],
         ["kinetic energy after", format_si(numbers["energy_after"], "J")],
@@ -104,7 +105,7 @@ def run(args: Arguments) -> CommandResult:
 
 
 def _mass(args: Arguments, option: str, text: str) -> float:
-    """Mass of a body, kg; infinite for a wall."""
+    """Mass of a body, kg; infinite for "inf"; nan, with a problem, for a wrong text."""
     if text.strip().lower() == "inf":
         return math.inf
     return args.number(option, text, "mass")
@@ -124,12 +125,12 @@ class Scales(NamedTuple):
     velocity: float  # m/s
     momentum: float  # N s
 
-    def speed(self, v: float) -> str:
+    def speed_text(self, v: float) -> str:
         """A velocity as a text."""
         return f"{without_round_off(v, scale=self.velocity):.6g} m/s"
 
-    def momentum_of(self, mass: float, v: float) -> str:
-        """A momentum as a text."""
+    def momentum_text(self, mass: float, v: float) -> str:
+        """The momentum of a mass as a text."""
         return format_si(without_round_off(mass * v, scale=self.momentum), "N s")
 
 
@@ -138,8 +139,8 @@ def _row(number: int, body: Body, scales: Scales) -> list[str]:
     return [
         str(number),
         format_si(body.mass, "kg"),
-        scales.speed(body.velocity_before),
-        scales.speed(body.velocity_after),
-        scales.momentum_of(body.mass, body.velocity_before),
-        scales.momentum_of(body.mass, body.velocity_after),
+        scales.speed_text(body.velocity_before),
+        scales.speed_text(body.velocity_after),
+        scales.momentum_text(body.mass, body.velocity_before),
+        scales.momentum_text(body.mass, body.velocity_after),
     ]

@@ -73,7 +73,9 @@ def run(args: Arguments) -> CommandResult:
         _compare_with_saved(case, solution)
     writing_status = _write(args, case, solution, positions)
     status = status_of(solution)
-    if status == DONE:  # a run that stopped early also tells why a file lacks
+    # A run that stopped early is also the reason why a file could not be written, so
+    # its status comes first.
+    if status == DONE:
         status = writing_status
     if args.json:
         text = solution_json(solution)
@@ -83,7 +85,7 @@ def run(args: Arguments) -> CommandResult:
 
 
 def _check_gauges(args: Arguments, positions: GaugePositions) -> None:
-    """Add problems of the names of gauges, and of a table without any."""
+    """Add problems: unfit names of gauges, and --gauges or --interval used alone."""
     if args.interval is not None and args.gauges is None:
         args.problems.append(("--interval", "goes with --gauges, whose rows it spaces"))
     gauges_table = args.gauges  # path of the table of strains, or None
@@ -112,7 +114,7 @@ def _take_outputs_of_case(args: Arguments, case: Case) -> None:
 
 
 def _compare_with_saved(case: Case, solution: Solution) -> None:
-    """Print where the outcome differs from the one that a saved case stores, if so."""
+    """Print a message if the outcome differs from that stored in the case file."""
     if case.result is None:
         return
     sentence = difference(case.result, solution)
@@ -123,7 +125,10 @@ def _compare_with_saved(case: Case, solution: Solution) -> None:
 def _write(
     args: Arguments, case: Case, solution: Solution, positions: GaugePositions
 ) -> int:
-    """Write case, figure and strains that are asked for; return the exit status."""
+    """Write the case, the figure and the strains, if asked for; return the status.
+
+    The status is that of `Arguments.write`.
+    """
 
     def save(path: str, force: bool) -> None:
         """Write the case as it was solved, with its outcome and gauges."""

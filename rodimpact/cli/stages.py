@@ -76,8 +76,8 @@ def _sentences_by_time(
 def _front_events(solution: Solution, names: tuple[str, str]) -> list[Event]:
     """Events of fronts in a collision of two bodies: one at an end, or two that cross.
 
-    They are the corners of the regions of constant state; an event at the corner of
-    several regions occurs several times.
+    They are the corners of the regions of constant state. An event at a corner that
+    several regions share occurs several times in the list.
     """
     regions = regions_of(solution)
     times = regions.t.tolist()
@@ -86,7 +86,7 @@ def _front_events(solution: Solution, names: tuple[str, str]) -> list[Event]:
     events = []
     for time, i, x in zip(times, bodies, positions, strict=True):
         rod: Any = solution.system.bodies[i]
-        contact_end = rod.length
+        contact_end = rod.length  # the first body touches with its right end
         if i > 0:
             contact_end = 0.0
         if x == contact_end:
@@ -119,7 +119,8 @@ def _pieces(solution: Solution, body: int, time: float) -> str:
         v = velocities[k]
         stress = stresses[k]
         if k > 0:
-            # v + stress/(rho c) is equal on both sides of a front that runs right
+            # v + stress/(rho c) is equal on both sides of a front that runs right, so
+            # the changes of v and of the stress have opposite signs.
             v_change = v - velocities[k - 1]
             stress_change = stress - stresses[k - 1]
             is_rightward = v_change * stress_change < 0

@@ -148,11 +148,15 @@ def _check_case(args: Arguments, case: Case) -> None:
 
 
 def _check_figure(args: Arguments, case: Case) -> None:
-    """Add problems of a figure that cannot be drawn."""
+    """Add problems of a figure that cannot be drawn.
+
+    Its quantity must be computed, one or two numbers must vary, and e needs exactly one
+    contact that can open, without an external drive.
+    """
     _check_quantity(args, case)
     axes = sum(len(axis.values) > 1 for axis in case.varied)
-    contacts = sum(law.opens for law in case.system.contacts)
-    has_restitution = contacts == 1 and not has_external_drive(case.system)
+    opening_contacts = sum(law.opens for law in case.system.contacts)
+    has_restitution = opening_contacts == 1 and not has_external_drive(case.system)
     if case.varied and not 1 <= axes <= 2:
         message = f"a figure has one or two axes, and {axes} numbers vary; leave it out"
         args.add_problem("--plot", message)

@@ -59,7 +59,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> CommandResult:
-    """Table or JSON of the differences; the status tells whether all checks passed."""
+    """Table or JSON of the differences; the status is UNVERIFIED if a check failed."""
     results = checks()
     failed = sum(not check.passed for check in results)
     status = DONE

@@ -78,6 +78,7 @@ class PulseDesign(Shown):
         return f"{100 * self.misfit:.3g} %"
 
     def __str__(self) -> str:
+        """Tables of segments, gap and misfit; a note follows if areas are at limits."""
         tables = [self._table_of_segments(), self._table_of_facts()]
         blocks = list(map(align, tables))
         if self.bounded:
@@ -92,7 +93,7 @@ class PulseDesign(Shown):
     def _table_of_segments(self) -> list[list[str]]:
         """Rows of the table of segments, header first: length, area, diameter.
 
-        If areas are at limits, a last column tells at which.
+        If areas are at limits, a last column says "smallest" or "largest".
         """
         rod: Any = self.system.bodies[self.body]
         header = ["segment", "length", "area", "diameter if round"]
@@ -113,7 +114,7 @@ class PulseDesign(Shown):
         return rows
 
     def _table_of_facts(self) -> list[list[str]]:
-        """Rows with the gap before the body, if a body is there, and the misfit."""
+        """Rows of the gap on the left of the body, if it is not body 0, and misfit."""
         rows = []
         if self.body > 0:
             gap = float(self.system.gaps[self.body - 1])
@@ -123,7 +124,7 @@ class PulseDesign(Shown):
 
 
 def staircase(times: Any, values: Any, end: float, name: str) -> Signal:
-    """Signal of forces, N, each from its time, s, to the next, the last one to the end.
+    """Signal of forces, N: each acts from its time, s, to the next, the last to `end`.
 
     Parts that begin after the end, or are so short that they come from round-off, are
     left out. Each other part has two samples: one at its start, and one just before the
@@ -133,9 +134,9 @@ def staircase(times: Any, values: Any, end: float, name: str) -> Signal:
     forces = np.asarray(values, float)
     edges = np.minimum(np.append(starts, end), end)
     shortest = MIN_DURATION_RTOL * end
-    lasts = np.diff(edges) > shortest
-    starts = starts[lasts]
-    forces = forces[lasts]
+    is_kept = np.diff(edges) > shortest
+    starts = starts[is_kept]
+    forces = forces[is_kept]
     next_starts = np.append(starts[1:], end)
     ends = np.nextafter(next_starts, -np.inf)
     limits = np.column_stack([starts, ends])
@@ -153,11 +154,12 @@ def force_over_time(wanted: object, end: float) -> Signal:
     """The wanted force from 0 to `end`, s, as a signal in N.
 
     `wanted` is `Steps` of numbers, or a `Signal` in N, which is 0 outside its record.
+    The force jumps between steps, and at both ends of a record.
 
     Raises
     ------
-    ValueError
-        If it is no force over time.
+    InvalidModel
+        If `wanted` is anything else, such as `Steps` of arrays.
     """
     if isinstance(wanted, Steps) and not _is_family(wanted):
         starts = [0.0, *wanted.at]
@@ -188,7 +190,7 @@ def _between(times: Floats, start: float, end: float) -> Floats:
 
 
 class StepDifferences(NamedTuple):
-    """Difference of two pulses in intervals of time, [interval] each."""
+    """Difference of two pulses in intervals of time; [interval] arrays."""
 
     mean: Floats  # N
     variance: Floats  # about the mean, N^2
@@ -197,8 +199,9 @@ class StepDifferences(NamedTuple):
 def differences(wanted: Signal, reached: Signal, edges: Floats) -> StepDifferences:
     """Mean and variance of reached - wanted in each of the intervals between edges, s.
 
-    Gauss's two points, half a duration over sqrt(3) from the middle, are taken between
-    any two kinks of the pulses; very short parts, which come from round-off, are not.
+    The integrals are exact: Gauss's two points, at half a duration over sqrt(3) from
+    the middle, are taken in each part between two kinks of the pulses. Very short
+    parts, which come from round-off, are left out.
     """
     times = np.concatenate([edges, wanted.times, reached.times])
     end = edges[-1]
@@ -223,7 +226,7 @@ def differences(wanted: Signal, reached: Signal, edges: Floats) -> StepDifferenc
 
     def mean(values: Floats) -> Floats:
         """Mean over each interval, from values at Gauss's points."""
-        integrals = half_durations * values.sum(axis=1)
+        integrals = half_durations * values.sum(axis=1)  # both points have weight 1
         sums = np.bincount(interval, integrals, n_intervals)
         return sums / np.diff(edges)
 

@@ -156,6 +156,7 @@ def striker(
         reached=search.force(best.logarithms, force.end),
         misfit=best.misfit,
         staircase=best.misfit_within_steps,
+        # Logarithms count from the struck end, segments from the left: reversed.
         bounded=_bounded_segments(best.logarithms[::-1], search.bounds),
     )
 
@@ -197,9 +198,9 @@ def _checked_force(wanted: object, end: float, contact: Rigid | Bonded) -> Signa
 def _exact_striker(search: StrikerSearch) -> Striker | None:
     """A striker with all segments that gives the wanted force exactly, else None.
 
-    Only a force in steps can be given exactly.
+    Only a force that is constant within each step can be given exactly.
     """
-    # What varies within steps is found by the difference from no force.
+    # The misfit of no force within steps is the variation of the wanted force there.
     misfits = search.misfits(no_force(search.wanted.end))
     if misfits.within_steps.max() > EXACT_MISFIT:
         return None
@@ -243,10 +244,10 @@ def _simplest_best(strikers: list[Striker]) -> Striker:
 
 
 def _bounded_segments(logarithms: Floats, bounds: Floats) -> dict[int, str]:
-    """Limit at which the area of a segment is, by segment from the left.
+    """Limit, "smallest" or "largest", of each segment whose area is at a limit.
 
-    `bounds` are the smallest and the largest logarithm. Segments at no limit are left
-    out.
+    The keys are indices of `logarithms`; `bounds` are the smallest and the largest
+    logarithm.
     """
     bounded = {}
     for bound, name in zip(bounds, ("smallest", "largest"), strict=True):

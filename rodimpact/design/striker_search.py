@@ -178,10 +178,11 @@ class StrikerSearch(NamedTuple):
     # Least squares
 
     def best_striker(self, coarser: Floats) -> Striker:
-        """Striker by one search of least squares, from the start of the least misfit.
+        """Striker by one least-squares search, from the start with the least misfit.
 
         The starts are `peeled`, `matched` and the coarser striker. The residuals are
-        the mean differences of the steps; those within steps count in the misfit only.
+        the mean differences of the steps. The misfit of the result also contains the
+        differences within steps.
 
         Parameters
         ----------
@@ -202,7 +203,7 @@ class StrikerSearch(NamedTuple):
             squares = residuals(logarithms) ** 2
             return float(np.sum(squares))
 
-        # The means of the wanted force are its mean differences from no force.
+        # The mean difference of the wanted force from no force is its mean.
         nothing = no_force(end)
         steps = differences(nothing, self.wanted, self.edges)
         force = steps.mean[: self.segments]  # the steps after these are ringing

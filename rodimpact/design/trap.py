@@ -23,7 +23,7 @@ from ..running.solving import solve
 from .pulses import PulseDesign, differences, staircase
 
 LEAST_FORCE_RTOL = 1e-3
-"""A force below this part of the peak force needs no longer trap."""
+"""A force below this part of the peak force does not make the trap longer."""
 TIME_RTOL = 1e-9
 """Relative round-off of times."""
 DISPLACEMENT_RTOL = 1e-9
@@ -123,7 +123,7 @@ def momentum_trap(
         end,
         "force of the wave back into the bar",
     )
-    # Wanted is the first pulse as it is without the trap, then nothing.
+    # The wanted force is the first pulse as it is without the trap, then 0.
     times = [*times_before, passed]
     forces = [*waves.leftward[is_before], 0.0]
     wanted = staircase(times, forces, end, "wanted")
@@ -230,14 +230,17 @@ def _nothing_pushes(passed: float, end: float) -> InvalidModel:
 def _pressed_interval(
     row: _TrappedRow, passed: float, end: float
 ) -> tuple[float, float]:
-    """Times from which and up to which waves push on a trap that is long enough, s.
+    """Start and end of the contact force on a trap that is long enough, s.
+
+    The force counts from `passed` to `end`, and if it is not small, see
+    `LEAST_FORCE_RTOL`.
 
     Raises
     ------
     InvalidModel
-        If nothing pushes on it between `passed` and `end`.
+        If there is no such force.
     """
-    # no wave comes back from the far end of such a trap before `end`
+    # No wave comes back from the far end of such a trap before `end`.
     endless_length = float(row.material.wave_speed) * end
     trapped = row.with_length(endless_length)
     solution = solve(trapped, until=end)
@@ -252,6 +255,6 @@ def _pressed_interval(
     first = pressed[0]
     last = pressed[-1]
     start = float(times[first])
-    next_times = np.append(times[1:], end)
+    next_times = np.append(times[1:], end)  # each force lasts until the next time
     stop = min(end, float(next_times[last]))
     return start, stop

@@ -40,9 +40,10 @@ class Trial(NamedTuple):
 
 
 def with_additions(base: Trial, trials: Sequence[Trial]) -> Fit:
-    """The fit without additions, with those of the trials as its `additions`.
+    """Copy of the fit of `base`, with the fits of the trials as its `additions`.
 
-    Each fit has its misfit left out, and each addition whether it earns its place.
+    The field `misfit_left_out` of all fits is set, and `earns_its_place` of each
+    addition.
     """
     blocks = _blocks(base.objective.measured, division=0)
     base_squares = _squares_left_out(base)
@@ -51,7 +52,7 @@ def with_additions(base: Trial, trials: Sequence[Trial]) -> Fit:
         squares = _squares_left_out(trial)
         fall = base_squares - squares
         fall_of_block = np.bincount(blocks, weights=fall)
-        # That of the sum over the blocks, which are taken to be independent.
+        # The variance of a sum of independent terms is the sum of their squares.
         standard_error = math.sqrt(float(fall_of_block @ fall_of_block))
         fit = replace(trial.fit, misfit_left_out=_root_of_mean(squares))
         earns_its_place = bool(fall_of_block.sum() > standard_error)
@@ -69,10 +70,11 @@ def _root_of_mean(squares: Floats) -> float:
 
 
 def _squares_left_out(trial: Trial) -> Floats:
-    """Square of each residual where its block was left out, mean over the divisions.
+    """Mean square of each residual when its block is left out, [sample].
 
-    Each division leaves out every second block, then the others. A linear fit of the
-    blocks that are there predicts the others.
+    The mean is taken over the divisions. Each division leaves out every second block,
+    then the other blocks instead. A linear fit of the remaining blocks predicts the
+    residuals in the blocks left out.
     """
     objective = trial.objective
     free = objective.is_free
@@ -122,7 +124,9 @@ def _blocks(records: Sequence[Measured], division: int) -> Any:
     for record in records:
         times = record.signal.times
         from_start = (times - times[0]) / _block_duration(record)
-        of_record = first + (from_start + 2 * division / DIVISIONS).astype(int)
+        # A block of every second one repeats after 2 blocks: DIVISIONS shifts up to 2.
+        shift = 2 * division / DIVISIONS
+        of_record = first + (from_start + shift).astype(int)
         first = of_record[-1] + 1
         blocks.append(of_record)
     return np.concatenate(blocks)
@@ -131,7 +135,8 @@ def _blocks(records: Sequence[Measured], division: int) -> Any:
 def _block_duration(record: Measured) -> float:
     """Duration of the blocks of a record, s.
 
-    It is more than its pulse needs to rise, but at most 1/MIN_BLOCKS of the record.
+    It is `BLOCK_OVER_RISE` times the rise time of the pulse, but at most 1/MIN_BLOCKS
+    of the record. It is this part of a record that cuts the pulse off.
     """
     longest = (record.signal.end - record.signal.start) / MIN_BLOCKS
     try:

@@ -210,15 +210,19 @@ def _fit_from_sweep(task: _Task, vary: Mapping[str, Any], search_count: int) -> 
 def _fit_with_addition(
     task: _Task, name: str, vary: Mapping[str, Any], base: Trial
 ) -> Trial:
-    """Fit with more numbers, from the end of a fit without them."""
+    """Fit with more numbers: one search from the end of the best search without them.
+
+    The numbers added begin at their values in the system, or in the middle of their
+    bounds.
+    """
     grids = _grids(task, vary)
     objective = grids.fine
-    value_at = {}
+    scaled_value_at = {}  # values that the base fit found, by path
     for number, scaled_value in zip(base.objective.numbers, base.end.x, strict=True):
-        value_at[number.path] = scaled_value
+        scaled_value_at[number.path] = scaled_value
     start = objective.point_at(objective.initial_shares)
     for i, number in enumerate(objective.numbers):
-        start[i] = value_at.get(number.path, start[i])
+        start[i] = scaled_value_at.get(number.path, start[i])
     start = np.clip(start, objective.low, objective.high)
     sizes = sizes_of_numbers(objective, start)
     end = search_on(grids, start, sizes)
@@ -226,9 +230,10 @@ def _fit_with_addition(
 
 
 def _grids(task: _Task, vary: Mapping[str, Any]) -> Grids:
-    """Objectives for the numbers to vary, on the grid asked for and on half its cells.
+    """Objectives for the numbers to vary, with all cells of a grid and with half.
 
-    They are one and the same if a method has no cells, or too few to halve.
+    Both are the same objective if the method has no cells, or there are fewer than
+    `MIN_CELLS_TO_HALVE`.
     """
     vary_system = {}
     vary_records = {}
@@ -317,7 +322,8 @@ def _cell_count(system: System, interval: float) -> int:
 def _starting_points(objective: Objective, count: int) -> list[Any]:
     """At most `count` points where searches begin, each the best of a part of a sweep.
 
-    A part is every `count`-th point of the coarse sweep, so that it fills all bounds.
+    Part k has the points k, k + count, k + 2 count, ... of the coarse sweep, so that
+    each part fills all bounds.
     """
     shares = coarse_shares(objective.initial_shares)
     starts = []

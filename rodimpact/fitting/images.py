@@ -32,9 +32,10 @@ class Place(NamedTuple):
     radius: float | None = None  # m, of the round bar for the images
 
     def strain(self, solution: Solution, interval: float) -> Signal:
-        """Strain at the steps of an `interval`, s.
+        """Strain at this place over time, sampled every `interval`, s.
 
-        It is that of a gauge, or `by_images` that of images of the forces on the ends.
+        It is the strain of the solution's gauge, or with `by_images` the strain of
+        images of the forces on both ends of the rod.
 
         Raises
         ------
@@ -56,25 +57,29 @@ class Place(NamedTuple):
         bar = waves.Bar.of(rod, self.radius)
         stiffness = Waveguide(rod, signal.dt).stiffness  # E A
         length = float(rod.length)
+        # Longest path of a wave that arrives in time, and a round trip more
         farthest = signal.end * bar.wave_speed + 2 * length
         travel_samples = farthest / bar.wave_speed / signal.dt
-        size = fft.next_fast_len(
-            2 * len(signal) + math.ceil(SLOW_WAVE_RATIO * travel_samples), real=True
-        )
+        # Zeros are added so that slow waves do not wrap round to the beginning.
+        padded_size = 2 * len(signal) + math.ceil(SLOW_WAVE_RATIO * travel_samples)
+        size = fft.next_fast_len(padded_size, real=True)
         frequencies = fft.rfftfreq(size, signal.dt)
         spectrum = np.zeros(len(frequencies), complex)
         distances = (self.x, length - self.x)  # distance from each end
         for side, distance in enumerate(distances):
             force = _force_on_end(solution, self.body, side, signal.times)
             if force is not None:
-                images = _images(frequencies, distance, length, farthest, bar)
-                spectrum -= images * fft.rfft(force / stiffness, size)
+                gain = _gain_of_images(frequencies, distance, length, farthest, bar)
+                # minus: compression is negative strain
+                spectrum -= gain * fft.rfft(force / stiffness, size)
         strain: Floats = fft.irfft(spectrum, size)[: len(signal)]
         return strain
 
 
 def _force_on_end(solution: Solution, body: int, side: int, times: Floats) -> Any:
-    """Compressive force on the left (side 0) or right end, N; None if it is free.
+    """Compressive force on the left (side 0) or right end (side 1) of a body, N.
+
+    It is that of the contact there at each of the times; None for a free end.
 
     Raises
     ------
@@ -91,10 +96,12 @@ def _force_on_end(solution: Solution, body: int, side: int, times: Floats) -> An
     raise invalid_argument(f"ends.{side}", message)
 
 
-def _images(
+def _gain_of_images(
     frequencies: Floats, distance: float, length: float, farthest: float, bar: Any
 ) -> Any:
-    """Complex gain from the strain that a force sends out at an end to that at a place.
+    """Complex gain from the strain that a force makes at an end to that at a place.
+
+    It is the sum over all images of the force, [frequency].
 
     Parameters
     ----------
@@ -109,7 +116,7 @@ def _images(
     bar : waves.Bar
     """
     gain = np.zeros(len(frequencies), complex)
-    round_trips = 0.0  # length of those before, 2 n L
+    round_trips = 0.0  # 2 n L, the length of n round trips
     while round_trips < farthest:
         for path, sign in ((distance, 1.0), (2 * length - distance, -1.0)):
             travelled = round_trips + path

@@ -87,6 +87,10 @@ class Measured(FrozenDataclass):
     passages: Literal["first", "all"] = "first"
 
     def _check(self, problems: Problems) -> None:
+        """Raise InvalidModel for wrong arguments; add a wrong `seen` to the problems.
+
+        `gauge` and `level` are replaced by plain numbers in SI units.
+        """
         check_kind(
             "signal", self.signal, Signal, "read_signals('record.csv')['incident']"
         )
@@ -100,7 +104,8 @@ class Measured(FrozenDataclass):
         check_function(problems, "seen", self.seen)
         if self.level is not None:
             self._set(level=scalar("level", self.level, self.signal.unit, "positive"))
-        # these raise an error for invalid bounds, and for a signal without a plateau
+        # These properties raise an error for invalid bounds, and for a signal without a
+        # plateau.
         _ = self.limits
         _ = self.size
 
@@ -108,8 +113,8 @@ class Measured(FrozenDataclass):
     def limits(self) -> dict[str, tuple[float, float] | None]:
         """Bounds of shift, s, gain, blur, s, offset and trend, by kind.
 
-        They are None where a number is free; for a fixed one both are its value. A free
-        blur, or one below 0, raises InvalidModel.
+        The bounds are None for a free number; both are the value of a fixed number. A
+        blur that is free or may be negative raises InvalidModel.
         """
         blur = bounds_of("blur", self.blur, "s")
         if blur is None or blur[0] < 0:
@@ -144,8 +149,8 @@ class Measured(FrozenDataclass):
     def place(self) -> Place:
         """Where the strain is computed.
 
-        At `gauge` for the first passage of a pulse; for all passages at the gauge of
-        the record itself, `distance` from there, by images.
+        For the first passage of a pulse this is `gauge`. For all passages it is the
+        gauge of the record itself, at `distance` from there, by images.
         """
         body, x = self.gauge
         if self.passages == "first":
@@ -158,8 +163,11 @@ class Measured(FrozenDataclass):
         The prediction is that of a collision from 0 to `until`, s.
         """
         until = scalar("until", until, "s", "non-negative")
+        # The prediction lasts from -delay to until + delay, and a shift is added to it.
         delay = self._propagation_time(system)
-        return self.signal.start - (until + delay), self.signal.end + delay
+        smallest = self.signal.start - (until + delay)
+        largest = self.signal.end + delay
+        return smallest, largest
 
     def _propagation_time(self, system: System) -> float:
         """Time in which waves run on from the place where the strain is computed, s."""
@@ -168,7 +176,7 @@ class Measured(FrozenDataclass):
         return abs(self.distance) / float(self._rod(system).segments[0].wave_speed)
 
     def _rod(self, system: System) -> Rod:
-        """The rod with the gauge; InvalidModel for a family, or if no rod is there."""
+        """The rod with the gauge; InvalidModel for a family, or if it is no rod."""
         check_kind("system", system, System, "System([rod, Wall()])")
         if system.shape:
             raise invalid_argument(
@@ -183,7 +191,11 @@ class Measured(FrozenDataclass):
         return rod
 
     def prediction(self, strain: Signal, system: System) -> Signal:
-        """The record by the strain at `place`, before blur, gain, shift and offset."""
+        """Prediction of the record from the strain at `place`.
+
+        The strain is propagated over `distance` if only the first passage counts; then
+        `seen` is applied. Blur, gain, shift, offset and trend are not.
+        """
         check_kind("strain", strain, Signal, "solution.gauge(1, 0.5).signal(1e-7)")
         rod = self._rod(system)
         if self.distance and self.passages == "first":

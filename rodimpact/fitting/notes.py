@@ -56,7 +56,8 @@ def notes_on_numbers(
             )
         notes += _notes_on_bounds(number)
     correlation = correlation_of(relative)
-    high = np.triu(np.abs(correlation) > HIGH_CORRELATION, 1)
+    # Above the diagonal, k=1, each pair of numbers comes once.
+    high = np.triu(np.abs(correlation) > HIGH_CORRELATION, k=1)
     for i, j in np.argwhere(high):
         if not (is_undetermined[i] or is_undetermined[j]):
             notes.append(
@@ -70,7 +71,8 @@ def notes_on_numbers(
 def _notes_on_bounds(number: Fitted) -> Iterator[str]:
     """Notes on a number that lies at one of its bounds, if it has both.
 
-    At a bound is within the share `AT_BOUND` of the range, see `share_of_range`.
+    A number lies at a bound if it is nearer to it than the share `AT_BOUND` of its
+    range, see `share_of_range`.
     """
     if np.isinf(number.high - number.low):
         return
@@ -140,10 +142,11 @@ def notes_on_records(
 
 
 def noise_before_pulse(record: Measured, prediction: Signal) -> float:
-    """Noise of a record over its level: nan if its pulse begins with the record.
+    """Standard deviation of a record before its pulse, over its level.
 
-    The prediction tells where the pulse begins. Samples of the second half before it
-    are left out, since the measured pulse may begin a little earlier.
+    The prediction says where the pulse begins. The second half of the samples before it
+    is left out, since the measured pulse may begin a little earlier. The result is nan
+    if fewer than `FEWEST_NOISE_SAMPLES` remain.
     """
     values = np.abs(prediction.values)
     begin = int(np.argmax(values > PULSE_BEGINS * values.max()))

@@ -45,7 +45,7 @@ def compute_strains(
     places: Sequence[Place],
     interval: float,
 ) -> list[Signal]:
-    """Strains at the places of the records, sampled every `interval`, s.
+    """Solve a system, and return the strains at places, sampled every `interval`, s.
 
     Raises
     ------
@@ -74,7 +74,7 @@ def smooth_curve(signal: Signal, blur: float) -> Any:
     if blur:
         values = filters.blurred(signal.values, signal.dt, blur)
     curve = CubicSpline(signal.times, values)
-    # Coefficients of a cubic, the highest power first.
+    # Coefficients of a cubic, the highest power first: only the constant is not 0.
     curve.extend([[0.0], [0.0], [0.0], [values[0]]], [signal.start - CONSTANT_PIECE])
     curve.extend([[0.0], [0.0], [0.0], [values[-1]]], [signal.end + CONSTANT_PIECE])
     return curve
@@ -166,9 +166,9 @@ class Objective:
         return np.asarray((low + high) / 2)
 
     def system_at(self, point: Floats) -> System:
-        """The system at a point, or at its first numbers, the shares of parameters."""
+        """The system at a point; only the shares of parameters in it are needed."""
         values = []
-        # The numbers of the records, which follow in a point, are left out.
+        # `zip` leaves out the numbers of the records, which follow in a point.
         for parameter, share in zip(self._parameters, point.tolist(), strict=False):
             values.append(parameter.value(share))
         return with_values(self._system, self._parameters, values)
@@ -190,12 +190,12 @@ class Objective:
         return signals_of_systems
 
     def _curves(self, signals: Sequence[Signal], point: Floats) -> list[Any]:
-        """Predictions with the blurs of a point, before gain and shift."""
+        """Blurred prediction of each record as a spline, before gain and shift."""
         blurs = point[self._index[BLUR]].tolist()
         return list(map(smooth_curve, signals, blurs))
 
     def _predictions(self, curves: Sequence[Any], point: Floats) -> Floats:
-        """Predictions at the times of all records in turn, over their levels."""
+        """Predictions at the samples of one record after another, over their levels."""
         shifts = point[self._index[SHIFT]]
         gains = point[self._index[GAIN]]
         offsets = point[self._index[OFFSET]]
@@ -217,9 +217,10 @@ class Objective:
         return np.asarray(self._predictions(curves, point) - self._recorded)
 
     def _signals_at(self, shares: Floats) -> list[Signal]:
-        """Predictions before shift, gain and blur.
+        """Prediction of each record before shift, gain and blur.
 
-        The last few are kept: a derivative comes back to the shares before it.
+        The last few are stored, since a search returns to the same shares after each
+        derivative.
         """
         key = shares.tobytes()
         if key not in self._recent_signals:
@@ -263,7 +264,8 @@ class Objective:
         for k, record in enumerate(self.measured):
             shift_index = self._index[SHIFT, k]
             gain_index = self._index[GAIN, k]
-            sample_times = curves[k].x[1:-1]  # without the ends of constant pieces
+            # `smooth_curve` has added one breakpoint to the sample times at each end.
+            sample_times = curves[k].x[1:-1]
             misfit = misfit_of(
                 TimeSeries(record.signal.times, record.signal.values),
                 TimeSeries(sample_times, curves[k](sample_times)),
@@ -276,8 +278,9 @@ class Objective:
     def _set_best_gains(self, curves: Sequence[Any], point: Floats) -> None:
         """Set the best gains within their bounds for the shifts of a point, in place.
 
-        They are least squares: a gain is the sum of model times record over that of the
-        squares of the model, each over all records with this gain; 1 without a model.
+        Each gain is the least-squares solution sum(m r)/sum(m^2) of gain m = r, with
+        predictions m at gain 1 and samples r of all records that share this gain. It is
+        1 where all m are 0.
         """
         indices = self._index[GAIN]
         point[indices] = 1.0

@@ -194,7 +194,7 @@ def with_values(
 
 def checked_bounds(path: str, bounds: Any, unit: str) -> tuple[float, float]:
     """Bounds that the user gave for a parameter; InvalidModel unless low < high."""
-    # With a sign, even "any", NaN and infinity are refused.
+    # Any `sign` makes `array` refuse NaN and infinity.
     ends = array(f"vary.{path}", bounds, unit, sign="any")
     if ends.shape != (2,) or not ends[0] < ends[1]:
         message = (
@@ -229,7 +229,7 @@ def record_parameters(
         kind, unit = _common_kind_and_unit(name, numbers, measured)
         records = tuple(number.record for number in numbers)
         bounds: tuple[float, float] | None = None  # None: the number is free
-        if name not in vary:
+        if name not in vary:  # the path of a number of a single record
             bounds = measured[records[0]].limits[kind]
         elif vary[name] is not None or kind == "blur":  # a blur must have bounds
             bounds = checked_bounds(name, vary[name], unit)
@@ -247,7 +247,8 @@ def _numbers_by_name(
 ) -> dict[str, list[RecordNumber]]:
     """Numbers of records by the name in `vary` that they match, or by their path.
 
-    A name that matches none has an empty list; two that match one are refused.
+    A name that matches no number has an empty list. InvalidModel is raised if two names
+    match one number.
     """
     numbers_of_name: dict[str, list[RecordNumber]] = {name: [] for name in vary}
     for kind in KINDS:
@@ -269,7 +270,7 @@ def _common_kind_and_unit(
 ) -> tuple[str, str]:
     """Kind and unit of all numbers with one name; InvalidModel if they differ.
 
-    A name without numbers, an unknown one, is refused in the same words.
+    An unknown name, which has no numbers, raises the same error.
     """
     kinds_and_units = set()
     for number in numbers:

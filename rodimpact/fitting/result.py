@@ -298,6 +298,10 @@ class Fit(Shown):
         write_text(path, "\n".join([*lines, ""]), force=force)
 
     def __str__(self) -> str:
+        """Tables of numbers, correlations, misfits and additions, then the notes.
+
+        Correlations are left out for a single number, additions if there are none.
+        """
         tables = [self._table_of_numbers()]
         if len(self.fitted) > 1:
             tables.append(self._table_of_correlations())
@@ -361,7 +365,7 @@ def _misfits(fit: Fit) -> list[str]:
 
 
 def correlation_of(covariance: Floats) -> Floats:
-    """Correlations of errors; 0 for a number without an error."""
+    """Correlations of errors: 1 on the diagonal, else 0 for a number without error."""
     errors = np.sqrt(np.diag(covariance))
     errors[errors == 0] = np.inf
     correlation: Floats = covariance / np.outer(errors, errors)
@@ -379,7 +383,10 @@ def _note_on_change(f: Fitted, change: float) -> str:
 
 
 def _value_and_error(f: Fitted) -> list[str]:
-    """Value and standard error as texts, both to the second digit of the error."""
+    """Value and standard error as texts with units, both to the error's second digit.
+
+    The value has six digits if it is 0, or if its error is 0 or not finite.
+    """
     digits = 6
     if 0 < f.standard_error < math.inf and f.value:
         first_digit = math.floor(math.log10(abs(f.value)))

@@ -16,9 +16,9 @@ MAX_EVALUATIONS = 200
 SEARCH_FTOL = 1e-10
 """Relative fall of the cost at which a search ends."""
 COARSE_FTOL = 1e-4
-"""The same on a coarse grid, from whose end a search on the fine grid goes on."""
+"""SEARCH_FTOL on a coarse grid; a search on the fine grid goes on from its end."""
 FINE_FTOL = 1e-7
-"""The same on the fine grid: no number changes by a tenth of its standard error."""
+"""SEARCH_FTOL on the fine grid: no number changes by a tenth of its standard error."""
 DIFFERENCE_STEP = 1e-5
 """Step of the differences for derivatives, relative to the size of a number."""
 
@@ -77,9 +77,11 @@ class Grids(NamedTuple):
 
 
 def search_on(grids: Grids, start: Floats, sizes: Floats) -> Any:
-    """Descend from a start on the coarse grid, then from its end on the fine one.
+    """Least-squares search on the coarse grid, then from its end on the fine one.
 
-    The result is that of `_descend`.
+    If both grids are one, there is one search. Blurs are set free in the first search,
+    see `search_from`. The result is SciPy's OptimizeResult of the last search, whose
+    `x` is a point.
     """
     if grids.coarse is grids.fine:
         return search_from(grids.fine, start, sizes, SEARCH_FTOL)
@@ -88,12 +90,13 @@ def search_on(grids: Grids, start: Floats, sizes: Floats) -> Any:
 
 
 def search_from(objective: Objective, start: Floats, sizes: Floats, ftol: float) -> Any:
-    """Descend from a start, first with blurs at their lower bounds, then with all free.
+    """Least-squares search from a start, first with fixed blurs, then with all free.
 
-    Predictions depend on the square of a blur, so a descent that begins without blur
-    would stay there. It begins in the middle of the bounds. If it ends worse than
-    without blur, the descent goes on from there, so that a blur never makes a fit
-    worse. The result is that of `_descend`.
+    Without a free blur there is only one search. Predictions depend on the square of a
+    blur, so a search from blur 0 would stay there: the second search begins with blurs
+    in the middle of their bounds. If it ends at a higher cost than the first, a third
+    search, with all free, begins at the end of the first. The result is the
+    OptimizeResult of the last search, see `_descend`.
     """
     is_free = objective.is_free
     is_free_blur = is_free & objective.is_blur

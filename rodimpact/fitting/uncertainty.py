@@ -70,7 +70,7 @@ def covariance(jacobian: Floats, residuals: Floats, lengths: Sequence[int]) -> F
 
 
 def autocovariance(residuals: Floats) -> Floats:
-    """Mean product of two residuals of a record, by the samples between them."""
+    """Mean product of two residuals of a record, [number of samples between them]."""
     n = len(residuals)
     power = np.abs(np.fft.rfft(residuals, 2 * n)) ** 2
     products: Floats = np.fft.irfft(power)[:n] / n
@@ -78,11 +78,15 @@ def autocovariance(residuals: Floats) -> Floats:
 
 
 def power_spectrum(correlation: Floats) -> Floats:
-    """Spectrum, not below 0, of noise with an autocovariance up to its first zero."""
+    """Spectrum of noise with an autocovariance, which is cut off at its first zero.
+
+    It has len(correlation) + 1 frequencies. Negative values are replaced by 0.
+    """
     n = len(correlation)
     first_zero = int(np.argmax(correlation <= 0))
     if first_zero == 0:
         first_zero = n
+    # Entry k is the autocovariance at lag k, entry 2 n - k that at lag -k.
     symmetric = np.zeros(2 * n)
     symmetric[:first_zero] = correlation[:first_zero]
     symmetric[2 * n - first_zero + 1 :] = correlation[first_zero - 1 : 0 : -1]
@@ -122,6 +126,7 @@ def explained_noise(noise: Floats, Q: Any, projected: Any) -> Floats:
     n = len(noise) - 1  # samples of the record; the spectra are of 2 n
     filtered = np.fft.irfft(noise[:, None] * Q, 2 * n, axis=0)[:n]  # G Q
     spectrum = np.fft.rfft(filtered, 2 * n, axis=0)
+    # Q Q' G and its transpose G Q Q' have the same autocovariance: hence the factor 2.
     power = np.sum(Q.conj() * (2 * spectrum - Q @ projected), axis=1).real
     products: Floats = np.fft.irfft(power, 2 * n)[:n] / n
     return products

@@ -172,7 +172,10 @@ class BearingGraph:
         return all(point.is_over for point in self.points)
 
     def csv_lines(self) -> Iterator[str]:
-        """Lines of a table of all points, names first; nan is an empty cell."""
+        """Lines of a table, one for each point, names first; nan is an empty cell.
+
+        The columns are those of `COLUMNS` and `is_over`.
+        """
         yield ",".join([*COLUMNS, "is_over"])
         for point in self.points:
             cells = []
@@ -193,6 +196,7 @@ class BearingGraph:
         write_lines(path, self.csv_lines(), force=force)
 
     def __str__(self) -> str:
+        """The table of all points for people."""
         return bearing_table(self)
 
 
@@ -207,7 +211,7 @@ def bearing_graph(
     workers: int | None = None,
     progress: bool | ProgressFunction = True,
 ) -> BearingGraph:
-    """Blow count and largest stresses of a pile against each of some resistances.
+    """Blow count and largest stresses of a pile for each of several resistances.
 
     Each resistance is shared between shaft and toe. Along the shaft it is distributed
     as in the system; quakes and dampings stay. One blow is solved for each. The soil is
@@ -267,7 +271,7 @@ def bearing_graph(
         workers = checked_count(problems, "workers", workers)
     check_progress(problems, progress)
     raise_if_problems(problems)
-    if until is None and system.gravity == 0:  # else `at_rest` refuses weak soil
+    if until is None and system.gravity == 0:  # with gravity `at_rest` checks the soil
         _check_strength(system, row, R)
     settings = Settings(row, share, cells, until)
     points: dict[int, BearingPoint] = {}
@@ -277,10 +281,10 @@ def bearing_graph(
     ):
 
         def submit(start: int, _: int) -> Any:
-            """Hand over the blow against one resistance."""
+            """Start the blow against resistance number `start` in the pool."""
             return pool.executor.submit(_point, system, float(R[start]), settings)
 
-        jobs = cut([Span(0, R.size)], 1)
+        jobs = cut([Span(0, R.size)], 1)  # one resistance a job
         for results in results_of(jobs, submit, pool.workers):
             for job in results:
                 points[job.start] = job.result
@@ -289,10 +293,11 @@ def bearing_graph(
 
 
 def _check_strength(system: System, row: PileRow, R: Floats) -> None:
-    """Raise InvalidModel for soil that stops the pile only far below its length.
+    """Raise InvalidModel if soil would let the ram drive the pile beyond its length.
 
-    A blow until it is over would take very long. `R` are resistances in N, such as
-    those from numbers that were meant in kN.
+    The distance is the ram's energy over the resistance. To solve such a blow to its
+    end would take very long. `R` are the resistances, N; a cause may be numbers that
+    were meant in kN.
     """
     ram: Any = system.bodies[0]
     energy = float(ram.mass) * float(ram.velocity) ** 2 / 2
@@ -322,7 +327,11 @@ class Settings(NamedTuple):
 
 
 def _checked_share(system: System, row: PileRow, share: Any) -> float:
-    """Part of the resistance along the shaft."""
+    """Part of the resistance along the shaft; by default that of the system.
+
+    InvalidModel is raised unless it is 0 to less than 1, 0 without soil along the
+    shaft, and the law of the toe is `SmithToe`.
+    """
     toe: Any = system.contacts[row.toe]
     message = "must be SmithToe, whose resistance varies at constant quake"
     demand(isinstance(toe, SmithToe), f"contacts.{row.toe}", message)
@@ -340,7 +349,11 @@ def _checked_share(system: System, row: PileRow, share: Any) -> float:
 def with_resistance(
     system: System, row: PileRow, resistance: float, shaft_share: float
 ) -> System:
-    """A pile against this resistance, N, with its soil unloaded."""
+    """The pile with this ultimate resistance of its soil, N, all unloaded.
+
+    The share acts along the shaft, distributed as in the system, the rest at the toe.
+    Rods lose their strain, and overlaps of contacts, which are negative gaps, become 0.
+    """
     on_shaft = shaft_resistance(system)
     bodies: list[Any] = []
     for body in system.bodies:
@@ -368,7 +381,11 @@ def _unloaded(soil: Any, factor: float) -> Soil:
 
 
 def _point(system: System, resistance: float, settings: Settings) -> BearingPoint:
-    """One blow against one resistance, on all cells and on coarser meshes."""
+    """Result of a blow against one resistance, with stated errors.
+
+    The blow is solved on all cells and on the coarser meshes, whose changes give the
+    errors. InvalidModel is raised if a coarser mesh has too few cells.
+    """
     row = settings.row
     share = settings.shaft_share
     pile = with_resistance(system, row, resistance, share)
@@ -379,7 +396,7 @@ def _point(system: System, resistance: float, settings: Settings) -> BearingPoin
     compression_change = 0.0
     tension_change = 0.0
     for part in COARSER:
-        # All have the same duration, so that they saw the same stresses.
+        # Runs of the same duration contain the same stress peaks.
         cells = int(part * settings.cells)
         coarser = settings._replace(cells=cells, until=fine.t_end)
         try:
@@ -389,7 +406,8 @@ def _point(system: System, resistance: float, settings: Settings) -> BearingPoin
             raise invalid_argument("cells", message) from error
         if part == COARSER[0]:
             set_change = fine.set - coarse.set
-        change = abs(compression + coarse.compression.stress)
+        coarse_compression = -coarse.compression.stress
+        change = abs(compression - coarse_compression)
         compression_change = max(compression_change, change)
         change = abs(tension - coarse.tension.stress)
         tension_change = max(tension_change, change)
@@ -415,7 +433,10 @@ def _point(system: System, resistance: float, settings: Settings) -> BearingPoin
 
 
 def _blow(pile: System, resistance: float, settings: Settings) -> Blow:
-    """The blow on a pile that is at rest where gravity acts."""
+    """The blow on a pile, which is first put at rest if gravity acts.
+
+    InvalidModel is raised if the soil cannot carry the pile, or the run is too long.
+    """
     cells = settings.cells
     if pile.gravity != 0:
         try:
@@ -437,7 +458,7 @@ def _blow(pile: System, resistance: float, settings: Settings) -> Blow:
 
 
 def _relative(change: float, value: float) -> float:
-    """Absolute change over a value; 0 if nothing changes."""
+    """Absolute change over a value; 0 without a change, else inf without a value."""
     if change == 0:
         return 0.0
     return abs(change) / value if value > 0 else np.inf

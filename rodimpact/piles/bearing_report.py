@@ -43,7 +43,10 @@ HEADS = (
 
 
 def bearing_table(graph: Any) -> str:
-    """A bearing graph for people: a row for each resistance, and what the numbers are.
+    """A bearing graph for people: a row for each resistance, then notes.
+
+    The notes are the stated errors, the status of each blow that is not over, and a
+    warning of quakes if there is one.
 
     Parameters
     ----------
@@ -67,7 +70,7 @@ def bearing_table(graph: Any) -> str:
 
 
 def _row(point: Any) -> list[str]:
-    """Cells of one resistance."""
+    """Cells of a row, as in `HEADS`; "-" for numbers that do not exist."""
     blow_count = "-"
     if math.isfinite(point.blow_count):
         blow_count = f"{point.blow_count:.4g} 1/m"
@@ -87,16 +90,16 @@ def _row(point: Any) -> list[str]:
 
 
 def _known(value: float, unit: str) -> str:
-    """A place or a time; "-" for the nan of a stress that does not occur."""
+    """A number with its unit as a text; "-" for nan."""
     if math.isnan(value):
         return "-"
     return format_si(value, unit)
 
 
 def _errors(graph: Any) -> str:
-    """What the stresses are, the largest stated errors, and how to make them smaller.
+    """Sentences on the meaning of the stresses and on the largest stated errors.
 
-    The last only if one of them is above `LARGE_ERROR`.
+    If an error is above `LARGE_ERROR`, a sentence proposes more cells.
     """
     largest_errors = {}
     for name in ("set", "compression", "tension"):

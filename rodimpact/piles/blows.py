@@ -42,13 +42,13 @@ MIN_CELLS = 2
 MAX_BLOWS = 10_000
 """Most blows that may be asked for."""
 TRANSITS_OF_BLOW = 10
-"""Transit times of the pile that a blow takes at least, about."""
+"""Transit times of the pile in the usual duration of a blow."""
 MAX_LENGTHENINGS = 5
-"""How often the duration of a blow is doubled, where none is given."""
+"""How often the usual duration of a blow is doubled at most."""
 CATCH_SAMPLES = 4001
-"""Times at which it is checked whether the ram or a mass below it comes down again."""
+"""Times of a run at which the motion of the ram and the masses below is examined."""
 ROUND_TRIP_SAMPLES = 401
-"""Times in a round trip of waves at which it is checked whether the ram is off."""
+"""Times in a round trip of waves at which the gap below the ram is examined."""
 
 
 class PileRow(NamedTuple):
@@ -125,6 +125,7 @@ class Blow(NamedTuple):
         return f"<Blow: {self}>"
 
     def __str__(self) -> str:
+        """Set, largest stresses and status."""
         permanent_set = format_si(self.set, "m")
         compression = _peak_text("compression", self.compression)
         tension = _peak_text("tension", self.tension)
@@ -132,7 +133,7 @@ class Blow(NamedTuple):
 
 
 def _peak_text(name: str, peak: StressPeak) -> str:
-    """A largest stress with its place and time, or that there is none."""
+    """A largest stress with its position and time as a text; "no ..." if it is 0."""
     if peak.stress == 0:
         return f"no {name}"
     stress = format_si(abs(peak.stress), "Pa", digits=4)
@@ -142,11 +143,11 @@ def _peak_text(name: str, peak: StressPeak) -> str:
 
 
 class Aftermath(NamedTuple):
-    """The pile at the end of a run."""
+    """The pile at the end of a run, and the rest to which it will come."""
 
     row: PileRow  # without bodies that were caught before the run
     is_over: bool
-    energy: float  # of motion that is left, above that of the equilibrium, J
+    energy: float  # remaining energy above that of the equilibrium, J
     chain: Chain
     equilibrium: Equilibrium  # the equilibrium to which damping brings the pile
 
@@ -160,10 +161,10 @@ def blows(
     until: float | None = None,
     progress: bool | ProgressFunction = True,
 ) -> list[Blow]:
-    """Strike a pile again and again; each blow finds it as the one before has left it.
+    """Strike a pile several times; each blow begins in the state after the last one.
 
     The plastic set of the soil and the residual stresses of the pile are kept. Ram,
-    helmet and cushions begin anew.
+    helmet and cushions are as before the first blow each time.
 
     Parameters
     ----------
@@ -291,7 +292,10 @@ def shaft_resistance(system: System) -> float:
 def strike(
     system: System, state: System, row: PileRow, cells: int, until: float | None
 ) -> Blow:
-    """Strike a pile once.
+    """Strike a pile once: solve the blow to its end, and find the state of rest after.
+
+    If the blow is not over when the ram leaves, the pile goes on without the bodies
+    that have left it.
 
     Parameters
     ----------
@@ -302,7 +306,7 @@ def strike(
     row : PileRow
     cells : int
     until : float, optional
-        Duration, s.
+        Duration, s. By default the blow goes on until it is over, with a limit.
     """
     if until is None:
         usual = _usual_duration(state, row)
@@ -349,7 +353,10 @@ def strike(
 def _solve_impact(
     state: System, row: PileRow, cells: int, duration: float, longest: float
 ) -> Solution:
-    """Solve from the impact until the blow is over, or the ram is caught.
+    """Solve from the impact until the blow is over, or the ram is caught or has left.
+
+    The run is solved anew with twice the duration until one of these has happened, or
+    the longest duration is reached.
 
     Parameters
     ----------
@@ -357,8 +364,7 @@ def _solve_impact(
     row : PileRow
     cells : int
     duration, longest : float
-        Time after which it is first checked whether the ram has left, and the last one,
-        s.
+        First and longest duration, s.
     """
     while True:
         solution = _solve(state, cells, duration)
@@ -377,10 +383,11 @@ def _solve(state: System, cells: int, duration: float) -> Solution:
 
 
 def _time_of_catch(solution: Solution, row: PileRow) -> float:
-    """Time at which the ram is caught, s; inf if it does not turn.
+    """Time at which the ram is caught, s; inf if that does not happen in the run.
 
-    It is caught where it, or a mass below that has left the pile, too, is highest:
-    later gravity would bring it down for another, weaker impact.
+    This is when the ram begins to come down again after it has left the pile, or a mass
+    below it does while the ram is off: another, weaker impact would follow. A body has
+    left if it rises and has not touched the body below for a round trip of waves.
     """
     times = np.linspace(0.0, solution.t_end, CATCH_SAMPLES)
     round_trip = _round_trip(solution.system, row)
@@ -390,11 +397,12 @@ def _time_of_catch(solution: Solution, row: PileRow) -> float:
         is_off = solution.contacts[body].gap(times) > 0
         last_touch = np.maximum.accumulate(np.where(is_off, 0.0, times))
         is_off_for_long = times - last_touch >= round_trip
-        velocity = solution.mean_velocity(body, times)
+        velocity = solution.mean_velocity(body, times)  # positive is down
         has_left = is_off_for_long & (velocity <= 0)
         if body == 0:
             ram_has_left = has_left
         comes_down = is_off & (velocity > 0)
+        # It turns between a time at which it rises and the next, at which it falls.
         turns = ram_has_left[:-1] & has_left[:-1] & comes_down[1:]
         if turns.any():
             catch = min(catch, float(times[turns.argmax()]))
@@ -404,7 +412,7 @@ def _time_of_catch(solution: Solution, row: PileRow) -> float:
 def _round_trip(system: System, row: PileRow) -> float:
     """Time in which waves run down the pile and up again, s.
 
-    A body that is off for less may be struck again from below: it rattles.
+    A body that has been off the pile for a shorter time may be struck again from below.
     """
     transit = 0.0
     for body in system.bodies[row.pile :]:
@@ -413,14 +421,14 @@ def _round_trip(system: System, row: PileRow) -> float:
 
 
 class CaughtPile(NamedTuple):
-    """A pile after the ram was caught."""
+    """A pile without the ram and masses that were caught."""
 
     state: System
-    row: PileRow  # numbers of this state
+    row: PileRow  # indices in this state
 
 
 def _without_caught(solution: Solution, row: PileRow) -> CaughtPile:
-    """The pile at the end of a run, without the bodies that are caught."""
+    """State of the pile at the end of a run, without the bodies that have left it."""
     state = solution.system_at(solution.t_end)
     caught = _bodies_that_left(solution, row)
     state = state.replace(
@@ -434,7 +442,10 @@ def _without_caught(solution: Solution, row: PileRow) -> CaughtPile:
 def _solve_settling(
     pile: CaughtPile, cells: int, duration: float, longest: float
 ) -> Solution:
-    """Solve until the blow is over, at most for the longest time, s."""
+    """Solve a pile without its ram until the blow is over, or for the longest time, s.
+
+    The run is solved anew with twice the duration as long as the blow is not over.
+    """
     while True:
         solution = _solve(pile.state, cells, duration)
         if duration >= longest or _aftermath(solution, pile.row).is_over:
@@ -443,7 +454,7 @@ def _solve_settling(
 
 
 def _runs_of(solution: Solution, settling: Solution | None) -> list[Solution]:
-    """The runs of a blow, one after the other."""
+    """The runs of a blow, one or two, in order of time."""
     runs = [solution]
     if settling is not None:
         runs.append(settling)
@@ -456,7 +467,11 @@ def _total_time(runs: list[Solution]) -> float:
 
 
 def _usual_duration(system: System, row: PileRow) -> float:
-    """Time in which the soil stops the ram, and waves run up and down the pile, s."""
+    """Usual duration of a blow, s.
+
+    It is the momentum of the ram over the resistance of the soil, and
+    `TRANSITS_OF_BLOW` transit times of the pile.
+    """
     ram: Any = system.bodies[0]
     momentum = float(ram.mass) * _velocity(ram)
     transit = _round_trip(system, row) / 2
@@ -466,14 +481,18 @@ def _usual_duration(system: System, row: PileRow) -> float:
 
 
 def _aftermath(solution: Solution, row: PileRow) -> Aftermath:
-    """Whether a blow is over when a run ends, and where the pile rests."""
+    """Whether a blow is over when a run ends, and the equilibrium that will follow.
+
+    Bodies that have left the pile are ignored. The others have the remaining energy:
+    kinetic energy, and the potential energy above that of the equilibrium.
+    """
     fields = solution.fields
     assert isinstance(fields, GridFields)
     state = solution.system_at(solution.t_end)
     left = _bodies_that_left(solution, row)
     bodies = list(state.bodies)
     kinetic = 0.0
-    for i in range(left, len(bodies) - 1):
+    for i in range(left, len(bodies) - 1):  # without the wall
         kinetic += _kinetic_energy(solution, i)
         bodies[i] = bodies[i].replace(velocity=0.0)
     motionless = state.replace(bodies=bodies)
@@ -487,8 +506,8 @@ def _aftermath(solution: Solution, row: PileRow) -> Aftermath:
 def _bodies_that_left(solution: Solution, row: PileRow) -> int:
     """Number of bodies at the left end that have left the pile when a run ends.
 
-    The ram has left when it rises, and has been off the body below it for a round trip
-    of waves in the pile; masses below it in the same way. They are caught.
+    A body has left if it rises and its contact with the body below has been open for a
+    round trip of waves in the pile. A mass can only leave if the bodies above it have.
     """
     end = solution.t_end
     round_trip = _round_trip(solution.system, row)
@@ -498,7 +517,7 @@ def _bodies_that_left(solution: Solution, row: PileRow) -> int:
     left = 0
     while left < row.pile:
         is_off = bool(np.all(solution.contacts[left].gap(times) > 0))
-        rises = float(solution.mean_velocity(left, end)) <= 0
+        rises = float(solution.mean_velocity(left, end)) <= 0  # positive is down
         if not (is_off and rises):
             break
         left += 1
@@ -516,7 +535,7 @@ def _kinetic_energy(solution: Solution, body: int) -> float:
 
 
 def _status(aftermath: Aftermath, t_end: float) -> str:
-    """Whether a blow is over, in a sentence."""
+    """Sentence that says whether a blow is over after a time, s; if not, a remedy."""
     duration = format_si(t_end, "s")
     energy = format_si(aftermath.energy, "J")
     if aftermath.is_over:
@@ -531,7 +550,7 @@ def _status(aftermath: Aftermath, t_end: float) -> str:
 
 
 def _permanent_set(runs: list[Solution]) -> float:
-    """How far the soil below the toe has yielded for good in all runs, m."""
+    """Permanent set of the soil below the toe, m: the sum over all runs."""
     total = 0.0
     for run in runs:
         total += run.contacts[-1].permanent_set()
@@ -539,7 +558,10 @@ def _permanent_set(runs: list[Solution]) -> float:
 
 
 def _toe_displacement(runs: list[Solution], aftermath: Aftermath) -> float:
-    """Displacement of the toe from the beginning of a blow to rest, m."""
+    """Displacement of the toe from the beginning of a blow to rest, m.
+
+    It is the displacement in all runs, and that from the last state to equilibrium.
+    """
     chain = aftermath.chain
     body = aftermath.row.toe
     toe_node = nodes_of(chain.row, chain.mesh, body).stop - 1
@@ -555,7 +577,10 @@ def _toe_displacement(runs: list[Solution], aftermath: Aftermath) -> float:
 def _next_system(
     system: System, row: PileRow, aftermath: Aftermath, cells: int
 ) -> System:
-    """The pile as a blow has left it, at rest, below the hammer as it was at first.
+    """System for the next blow: the pile at rest after this one, and the first hammer.
+
+    The hammer, everything above the pile, is that of `system`, as before the first
+    blow.
 
     Raises
     ------
@@ -567,7 +592,7 @@ def _next_system(
     demand(is_held, "gravity", "must be positive for a pile that no soil holds")
     after = resting_system(aftermath.chain, aftermath.equilibrium)
     pile = row.pile
-    pile_after = aftermath.row.pile
+    pile_after = aftermath.row.pile  # smaller, if bodies above the pile were caught
     return at_rest(
         system.replace(
             bodies=system.bodies[:pile] + after.bodies[pile_after:],
@@ -579,24 +604,28 @@ def _next_system(
 
 
 def _extreme_stress(runs: list[Solution], row: PileRow) -> ExtremeStress:
-    """Largest stresses in the rods of the pile, with places from its head on, m."""
+    """Largest tension and compression in the rods of the pile over all runs.
+
+    Positions count from the head of the pile, m, and times from the impact, s.
+    """
     tensions = []
     compressions = []
     start = 0.0  # of the run, s after the impact
     for run in runs:
         caught = len(runs[0].system.bodies) - len(run.system.bodies)
-        head = 0.0  # left end of the rod, m from the head of the pile
+        first_of_pile = row.pile - caught
+        left_end = 0.0  # of the rod, m from the head of the pile
         for i, body in enumerate(run.system.bodies):
-            if i < row.pile - caught or not isinstance(body, Rod):
+            if i < first_of_pile or not isinstance(body, Rod):
                 continue
             extreme = run.extreme_stress(i)
-            tensions.append(_moved(extreme.tension, head, start))
-            compressions.append(_moved(extreme.compression, head, start))
-            head += float(body.length)
+            tensions.append(_moved(extreme.tension, left_end, start))
+            compressions.append(_moved(extreme.compression, left_end, start))
+            left_end += float(body.length)
         start += run.t_end
     return ExtremeStress(strongest(tensions), strongest(compressions))
 
 
 def _moved(peak: StressPeak, x: float, t: float) -> StressPeak:
-    """A peak whose place and time count from an earlier x, m, and t, s."""
+    """The peak with x, m, added to its position and t, s, to its time."""
     return peak._replace(x=peak.x + x, t=peak.t + t)

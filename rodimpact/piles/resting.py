@@ -30,12 +30,11 @@ MAX_CELLS = 10_000
 
 @explain_arguments
 def at_rest(system: System, cells: int = CELLS) -> System:
-    """A system whose resting bodies stay at rest, as all weights are carried.
+    """Move a system to its equilibrium, in which all weights are carried.
 
-    The state that is given, such as an unloaded pile under gravity, or a pile after a
-    blow, is moved to its equilibrium: rods stretch, and soil and contacts are pressed
-    elastically. Bodies that move at t = 0, such as the ram, stay as they are, and bear
-    on nothing.
+    The given state may be an unloaded pile under gravity, or a pile after a blow. In
+    equilibrium rods are stretched, and soil and contacts pressed, elastically. Bodies
+    that move at t = 0, such as the ram, stay as they are, and bear on nothing.
 
     Parameters
     ----------
@@ -105,7 +104,11 @@ def _check_ends(system: System) -> None:
 
 
 def resting_system(chain: Chain, equilibrium: Equilibrium) -> System:
-    """The system of a chain in its equilibrium."""
+    """The system of a chain with the state of its equilibrium.
+
+    Rods at rest have new strain and mobilised resistance. Contacts that bear a weight
+    have new gaps, stretches of joints, and laws that have yielded.
+    """
     system = chain.system
     bodies: list[Any] = []
     for i, body in enumerate(system.bodies):
@@ -125,13 +128,19 @@ def resting_system(chain: Chain, equilibrium: Equilibrium) -> System:
         else:
             gaps[k] = -overlap
         if isinstance(law, Plastic):
-            laws[k] = law.hardened(contact.stiffness * max(0.0, overlap))
+            force = contact.stiffness * max(0.0, overlap)
+            laws[k] = law.hardened(force)
     return system.replace(bodies=bodies, gaps=gaps, contacts=laws)
 
 
 def _resting_rod(chain: Chain, equilibrium: Equilibrium, index: int, rod: Rod) -> Rod:
-    """A rod with the strain and the mobilised resistance of the equilibrium."""
+    """A rod with the strain and the mobilised resistance of the equilibrium.
+
+    Strain is constant in each cell; the share of the resistance that is mobilised is
+    constant about each node, and 0 without soil there.
+    """
     nodes = nodes_of(chain.row, chain.mesh, index)
+    # Cell i lies between the nodes i - 1 and i: a rod has one cell less than nodes.
     cells = slice(nodes.start + 1, nodes.stop)
     edges = cell_edges(chain.row, chain.mesh, index)
     elongation = equilibrium.tension[cells] / chain.stiffness[cells]
@@ -144,6 +153,6 @@ def _resting_rod(chain: Chain, equilibrium: Equilibrium, index: int, rod: Rod) -
     ultimate = chain.soil["ultimate"][along_rod]
     shares = np.zeros(nodes.stop - nodes.start)
     shares[held_nodes] = equilibrium.resistance[along_rod] / ultimate
-    middles = (edges[1:] + edges[:-1]) / 2
+    middles = (edges[1:] + edges[:-1]) / 2  # between nodes, where the share changes
     mobilised = Steps(np.clip(shares, -1.0, 1.0).tolist(), middles.tolist())
     return resting.replace(shaft=rod.shaft.replace(mobilised=mobilised))

@@ -44,11 +44,11 @@ YIELD_RTOL = 1e-9
 class Contact(NamedTuple):
     """A contact of two bodies as a spring between neighbouring nodes."""
 
-    number: int  # of the contact in the system
+    number: int  # index of the contact in the system
     right_node: int  # the spring lies between this node and the one before
     stiffness: float  # N/m
     overlap: float  # m, minus the gap
-    pulls: bool  # a joint does
+    pulls: bool  # whether it can bear tension, as a joint can
 
 
 @dataclass
@@ -61,9 +61,10 @@ class Chain:
     row : Row
     mesh : Mesh
     is_moving : list of bool
-        Bodies that move or are walls: they stay where they are, and bear on nothing.
+        Bodies that move, are walls or are left out: they keep their positions.
     is_fixed : array of bool
-        Nodes of these bodies [node].
+        Nodes of these bodies, and nodes without mass or with a prescribed motion
+        [node].
     weight : array
         N [node].
     stiffness, tension : array
@@ -71,7 +72,7 @@ class Chain:
     soil : array
         Records of the nodes that soil holds, as in the method.
     contacts : list of Contact
-        Those between bodies that are at rest, and of these with a wall.
+        Contacts of bodies at rest with each other or with a wall.
     """
 
     system: System
@@ -96,16 +97,17 @@ class Equilibrium(NamedTuple):
 
 
 def chain_of(system: System, counts: list[int], left_out: int = 0) -> Chain:
-    """A system as a chain.
+    """A system as a chain of nodes and springs, in the state that the system has.
 
     Parameters
     ----------
     system : System
-        A single one, with free ends or walls.
+        A single system, no family.
     counts : list of int
         Cells of each segment.
     left_out : int
-        Bodies at the left end that bear on nothing, as those that move.
+        Number of bodies at the left end that are left out: like bodies that move, they
+        keep their positions and bear on nothing.
 
     Raises
     ------
@@ -118,8 +120,8 @@ def chain_of(system: System, counts: list[int], left_out: int = 0) -> Chain:
     for i, body in enumerate(system.bodies):
         is_moving.append(i < left_out or isinstance(body, Wall) or moves(body))
     is_fixed = (mesh.mass == 0) | (mesh.is_prescribed == 1)
-    for i, stays in enumerate(is_moving):
-        if stays:
+    for i, keeps_position in enumerate(is_moving):
+        if keeps_position:
             is_fixed[nodes_of(row, mesh, i)] = True
     stiffness = mesh.cells.relaxed_stiffness
     shafts = soil_of(mesh, step=1.0)
@@ -139,16 +141,16 @@ def chain_of(system: System, counts: list[int], left_out: int = 0) -> Chain:
 
 
 def moves(body: Any) -> bool:
-    """Whether a body has a velocity at t = 0."""
+    """Whether a body, or a part of it, has a velocity at t = 0."""
     values = getattr(body.velocity, "values", body.velocity)
     return bool(np.any(values))
 
 
 def nodes_of(row: Row, mesh: Mesh, body: int) -> slice:
-    """Nodes of a rod or of a rigid mass; none of a wall."""
-    start, stop = row.spans[body]
-    if start <= stop:
-        return slice(mesh.first[start], mesh.last[stop] + 1)
+    """Nodes of a rod or of a rigid mass; an empty slice for a wall."""
+    first_segment, last_segment = row.spans[body]
+    if first_segment <= last_segment:  # only a rod has segments
+        return slice(mesh.first[first_segment], mesh.last[last_segment] + 1)
     mass = row.mass_of[body]
     if not 0 <= mass < len(mesh.node_of_mass):
         return slice(0, 0)
@@ -157,16 +159,17 @@ def nodes_of(row: Row, mesh: Mesh, body: int) -> slice:
 
 
 def cell_edges(row: Row, mesh: Mesh, body: int) -> Floats:
-    """Ends of the cells of a rod, m from its left end."""
-    start, stop = row.spans[body]
+    """Positions of the ends of a rod's cells, from 0, m from its left end."""
+    first_segment, last_segment = row.spans[body]
     nodes = nodes_of(row, mesh, body)
+    # Cell i lies between the nodes i - 1 and i.
     widths = mesh.cells.width[nodes.start + 1 : nodes.stop]
-    assert start <= stop
+    assert first_segment <= last_segment  # the body is a rod
     return np.concatenate(([0.0], np.cumsum(widths)))
 
 
 def soil_of_rod(chain: Chain, body: int) -> Any:
-    """Indices of the soil along a rod among the records of a chain."""
+    """Indices in `chain.soil` of the records along a rod; none without soil."""
     held_bodies = shaft_bodies(chain.row)
     if body not in held_bodies:
         return np.zeros(0, int)
@@ -175,7 +178,7 @@ def soil_of_rod(chain: Chain, body: int) -> Any:
 
 
 def _tensions(row: Row, mesh: Mesh) -> Floats:
-    """Tension of each cell by the strain of its rod, N."""
+    """Tension of each cell from the strain of its rod, N; 0 where there is no cell."""
     tension = np.zeros(len(mesh.stiffness))
     for i, body in enumerate(row.system.bodies):
         if not isinstance(body, Rod):
@@ -192,7 +195,12 @@ def _tensions(row: Row, mesh: Mesh) -> Floats:
 def _contacts(
     row: Row, mesh: Mesh, is_moving: list[bool], largest_stiffness: float
 ) -> list[Contact]:
-    """Contacts that can bear a weight."""
+    """Contacts that can bear a weight: those with a stiffness, then rigid ones.
+
+    A rigid contact is a spring with `RIGID_STIFFNESS` times the largest stiffness of a
+    cell, which is `largest_stiffness`, or of another contact. InvalidModel is raised
+    for a law without a constant stiffness.
+    """
     system = row.system
     linear = []
     rigid = []
@@ -222,21 +230,22 @@ def _contacts(
             largest_stiffness = max(largest_stiffness, stiffness)
     if largest_stiffness == 0:  # rigid bodies alone
         largest_stiffness = 1.0
+    contacts = linear
     for contact in rigid:
         stiffness = RIGID_STIFFNESS * largest_stiffness
-        linear.append(contact._replace(stiffness=stiffness))
-    return linear
+        contacts.append(contact._replace(stiffness=stiffness))
+    return contacts
 
 
 def _can_bear(system: System, is_moving: list[bool], contact: int) -> bool:
     """Whether a contact joins two bodies at rest, or one of them and a wall."""
-    count = 0
+    bodies_at_rest = 0
     for i in (contact, contact + 1):
         if not is_moving[i]:
-            count += 1
+            bodies_at_rest += 1
         elif not isinstance(system.bodies[i], Wall):
             return False
-    return count > 0
+    return bodies_at_rest > 0
 
 
 # Equilibrium
@@ -244,18 +253,22 @@ def _can_bear(system: System, is_moving: list[bool], contact: int) -> bool:
 
 
 def find_equilibrium(chain: Chain) -> Equilibrium:
-    """Find the equilibrium of a chain whose soil does not yield on the way there.
+    """Find the equilibrium of a chain, as if its soil did not yield on the way there.
+
+    First all contacts are closed. Then, in rounds, contacts that would pull open, and
+    open ones that overlap close, until nothing changes.
 
     Raises
     ------
     InvalidModel
-        If nothing holds a body.
+        If nothing holds a body, or contacts still change after `MAX_ROUNDS` rounds.
     """
     is_pressed = [True for _ in chain.contacts]
     soil = chain.soil
     nodes = soil["node"]
     count = len(chain.is_fixed)
     soil_stiffness = np.bincount(nodes, soil["stiffness"], count)
+    # Force of weight and soil on each node, N
     on_nodes = chain.weight - np.bincount(nodes, soil["resistance"], count)
     for _ in range(MAX_ROUNDS):
         springs = chain.stiffness.copy()
@@ -274,10 +287,11 @@ def find_equilibrium(chain: Chain) -> Equilibrium:
             node = contact.right_node
             overlap = float(contact.overlap + u[node - 1] - u[node])
             overlaps.append(overlap)
-            least = round_off
+            # A contact changes its state only if the overlap is more than round-off.
+            least_overlap = round_off
             if pressed:
-                least = -round_off
-            stays_pressed.append(contact.pulls or overlap >= least)
+                least_overlap = -round_off
+            stays_pressed.append(contact.pulls or overlap >= least_overlap)
         if stays_pressed == is_pressed:
             break
         is_pressed = stays_pressed
@@ -294,7 +308,7 @@ def find_equilibrium(chain: Chain) -> Equilibrium:
 
 
 def solve_chain(springs: Any, soil: Any, is_fixed: Any, force: Any) -> Floats:
-    """Displacements by forces on the nodes of a chain, m.
+    """Displacements of the nodes of a chain under forces on the nodes, m.
 
     Parameters
     ----------
@@ -305,7 +319,8 @@ def solve_chain(springs: Any, soil: Any, is_fixed: Any, force: Any) -> Floats:
     is_fixed : array of bool
         Nodes that stay [node].
     force : array
-        N [node].
+        N [node]. With the unit matrix, column j of the result is due to a unit force on
+        node j.
     """
     diagonal = springs[:-1] + springs[1:] + soil
     coupling = springs[:-1].copy()  # to the node before
@@ -314,18 +329,20 @@ def solve_chain(springs: Any, soil: Any, is_fixed: Any, force: Any) -> Floats:
     coupling[1:][is_fixed[:-1]] = 0.0
     diagonal[is_fixed] = 1.0
     loads = np.where(is_fixed, 0.0, force)
-    # LAPACK asks for the matrix as rows of its bands.
+    # LAPACK takes a symmetric matrix as two bands: above the diagonal, and diagonal.
     u: Floats = solveh_banded(np.array([-coupling, diagonal]), loads)
     return u
 
 
 def _fixed_with_floating(chain: Chain, springs: Any, soil: Any, force: Any) -> Any:
-    """Nodes that stay, with one node of each group of bodies that nothing holds.
+    """Fixed nodes of a chain, and also one node of each group that nothing holds.
 
-    Forces on such a group must balance.
+    A group is the bodies between two springs without stiffness. InvalidModel is raised
+    if the forces on a group that nothing holds do not balance.
     """
     is_fixed = chain.is_fixed.copy()
     largest = float(np.abs(chain.weight).max() + np.abs(chain.tension).max())
+    # A group starts at a node without a spring to the node before it.
     starts = np.flatnonzero(springs[:-1] == 0)
     stops = np.append(starts[1:], len(is_fixed))
     for start, stop in zip(starts, stops, strict=True):
@@ -345,7 +362,7 @@ def _fixed_with_floating(chain: Chain, springs: Any, soil: Any, force: Any) -> A
 
 
 def _body_at(chain: Chain, node: int) -> int:
-    """The first body to which a node belongs."""
+    """Index of the first body to which a node belongs; 0 if it belongs to none."""
     for body in range(len(chain.system.bodies)):
         nodes = nodes_of(chain.row, chain.mesh, body)
         if nodes.start <= node < nodes.stop:
@@ -354,7 +371,10 @@ def _body_at(chain: Chain, node: int) -> int:
 
 
 def yielding_places(chain: Chain, equilibrium: Equilibrium) -> list[tuple[str, str]]:
-    """Path and place of each rod or contact that would yield at equilibrium."""
+    """Path of each rod or contact that would yield at equilibrium, and a clause on it.
+
+    For a rod the clause states the first position at which the soil yields, m.
+    """
     places = []
     for i, body in enumerate(chain.system.bodies):
         if not isinstance(body, Rod):
@@ -375,9 +395,10 @@ def yielding_places(chain: Chain, equilibrium: Equilibrium) -> list[tuple[str, s
 
 
 def _flow_force(chain: Chain, contact: Contact) -> float:
-    """Force at which a contact yields without hardening, N; inf for other laws.
+    """Force at which a contact yields without hardening, N.
 
-    A cushion, which hardens, may yield on.
+    It is inf for laws that do not yield, and for those that harden, such as a cushion:
+    they can bear any force.
     """
     law: Any = chain.system.contacts[contact.number]
     is_plastic = isinstance(law, Plastic)
@@ -403,8 +424,9 @@ def check_bears(chain: Chain, equilibrium: Equilibrium) -> None:
 def potential_energy(chain: Chain, equilibrium: Equilibrium) -> float:
     """Energy of the state of a chain above that of its equilibrium, J.
 
-    Springs and soil have k u^2/2; a contact has the difference of F d/2 less the work
-    of the force at rest, which is never negative.
+    Springs and soil have k u^2/2, with the displacement u to the equilibrium. A contact
+    has the difference of its stored energies k d^2/2 at the overlaps d now and at
+    rest, minus the work of its force at rest over the change of d: never below 0.
     """
     u = equilibrium.displacement
     stretch = np.diff(u, prepend=0.0, append=0.0)
@@ -412,13 +434,13 @@ def potential_energy(chain: Chain, equilibrium: Equilibrium) -> float:
     of_soil = chain.soil["stiffness"] * u[chain.soil["node"]] ** 2
     energy += float(of_soil.sum() / 2)
     for contact, overlap in zip(chain.contacts, equilibrium.overlaps, strict=True):
-        now = contact.overlap
-        at_rest = overlap
-        if not contact.pulls:
-            now = max(0.0, now)
-            at_rest = max(0.0, at_rest)
-        force = contact.stiffness * at_rest
-        stored = contact.stiffness * (now**2 - at_rest**2) / 2
+        pressed_now = contact.overlap
+        pressed_at_rest = overlap
+        if not contact.pulls:  # an open contact has no force
+            pressed_now = max(0.0, pressed_now)
+            pressed_at_rest = max(0.0, pressed_at_rest)
+        force = contact.stiffness * pressed_at_rest
+        stored = contact.stiffness * (pressed_now**2 - pressed_at_rest**2) / 2
         energy += stored - force * (contact.overlap - overlap)
     return energy
 
@@ -454,7 +476,11 @@ def can_yield(chain: Chain, equilibrium: Equilibrium, energy: float) -> bool:
 
 
 def _compliances(chain: Chain) -> Floats:
-    """Displacement of each node by a unit force, m/N; 0 without soil beside it."""
+    """Displacement of each node by a unit force on it, m/N; 0 for a fixed node.
+
+    One node of each group that nothing holds is fixed, see `_fixed_with_floating`.
+    Contacts are open, except joints.
+    """
     count = len(chain.is_fixed)
     soil = np.bincount(chain.soil["node"], chain.soil["stiffness"], count)
     springs = chain.stiffness.copy()
