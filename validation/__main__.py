@@ -18,10 +18,11 @@ from .table import FOLDER, PAGES, Row, cases, page, run, verdicts
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
-    """Run the cases that arguments name, by default those of the command line.
+    """Run the cases that `arguments` name, by default those of the command line.
 
-    It tells which bounds are broken; the pages are written after all cases only. It
-    ends by SystemExit if a bound is broken, or if an argument is no case.
+    Without names all cases run, and then README.md and the pages are written.
+    SystemExit is raised if a bound is broken, before anything is written, or if an
+    argument is no case.
     """
     known = cases()
     chosen = _chosen_cases(arguments, known)
@@ -71,7 +72,7 @@ def _chosen_cases(arguments: Sequence[str] | None, known: list[str]) -> list[str
 
 
 def _run_and_tell(case: str) -> list[Row]:
-    """Rows of a case; standard error tells its time and each broken bound."""
+    """Rows of a case; its time and each broken bound are printed on standard error."""
     start = time.perf_counter()
     rows = run(case)
     seconds = time.perf_counter() - start

@@ -46,13 +46,16 @@ def run() -> Rows:
 
 
 def impulses(solution: ri.Solution) -> np.ndarray:
-    """Impulses of all contacts."""
+    """Impulse of each contact, [contact]."""
     values = [tally.impulse for tally in solution.outcome.contacts]
     return np.array(values)
 
 
 def pairs() -> Rows:
-    """Pairs whose transit times are whole numbers, by fronts and characteristics."""
+    """Largest differences of e and impulse between fronts and characteristics.
+
+    The pairs are random, with transit times that are whole numbers.
+    """
     rng = default_rng(5)
     restitution_errors = []
     impulse_errors = []
@@ -72,7 +75,10 @@ def pairs() -> Rows:
 
 
 def touching_rows() -> Rows:
-    """Cradles and relays of five rods, the first at velocity 1."""
+    """Velocities and impulses of rows of five rods, by fronts and characteristics.
+
+    The rods touch, and the first has the velocity 1.
+    """
     for name, transit_times in ROWS_OF_RODS.items():
         first, *others = transit_times
         rods = [rod(first, velocity=1.0)]
@@ -114,11 +120,14 @@ def random_row(rng: Generator, whole_numbers: bool) -> ri.System:
 
 
 def impulse_error(system: ri.System) -> float:
-    """Largest error of an impulse over the largest impulse; nan where nothing meets."""
+    """Largest error of an impulse over the largest impulse; nan if nothing collides.
+
+    Characteristics are compared with fronts, up to four transits of the longest rod.
+    """
     transit_times = []
     for body in system.bodies:
         if isinstance(body, ri.Rod):
-            transit_times.append(body.length)
+            transit_times.append(body.length)  # the wave speed is 1
     until = 4 * max(transit_times)
     exact = impulses(ri.solve(system, until, "fronts"))
     computed = impulses(ri.solve(system, until, "characteristics"))
@@ -167,7 +176,10 @@ def compliant_systems() -> dict[str, ri.System]:
 
 
 def on_grid() -> Rows:
-    """Order of the error of the grid's impulse in the size of the cells."""
+    """Order of the error of the grid's first impulse in the size of the cells.
+
+    The error falls as cells^-order, from the smallest to the largest number of cells.
+    """
     first = CELLS[0]
     last = CELLS[-1]
     for name, system in compliant_systems().items():

@@ -107,9 +107,9 @@ def rod_on_wall() -> Rows:
 
 
 def motion_left(solution: ri.Solution, length: float, since: float) -> float:
-    """Largest velocity (m/s) or strain in the first rod from a time on."""
+    """Largest absolute velocity (m/s) or strain in the first rod after a time, s."""
     x = np.linspace(0, length, 50)[:, None]
-    t = np.linspace(since, solution.t_end, 50)[1:]
+    t = np.linspace(since, solution.t_end, 50)[1:]  # at `since` itself fields jump
     velocity = solution.velocity(0, x, t)
     strain = solution.strain(0, x, t)
     return max(largest(velocity), largest(strain))

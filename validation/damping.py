@@ -92,12 +92,12 @@ STEP = 0.999 / 200  # time step of 200 cells
 
 
 def mode(ends: Ends, n: int) -> Rows:
-    """The rate at which a mode decays: eta omega^2/(2 E)."""
+    """Rate of decay of mode n, started alone, over that expected: eta omega^2/(2 E)."""
     k = (n - ends.shift) * math.pi  # wave number; the rod has the length 1
     x = np.linspace(0.0, 1.0, 8001)
     velocity = ri.Samples(ends.shape(k * x))
     rod = ri.Rod(1.0, area=1.0, material=material(TAU), velocity=velocity)
-    interval = 20 // n * STEP  # shorter for a mode that swings faster
+    interval = 20 // n * STEP  # whole steps, fewer for a mode that swings faster
     times = np.arange(1, 61) * interval
     system = ri.System([rod], ends=ends.conditions)
     until = float(times[-1]) + STEP
@@ -129,7 +129,10 @@ def decay_rate(v: np.ndarray, dt: float) -> float:
 
 
 def stepped_rod() -> Rows:
-    """The lowest mode of a stepped rod of one material, which remains of a blow."""
+    """Decay time and frequency of the lowest mode of a stepped rod, struck by a mass.
+
+    The higher modes decay faster, so this one remains.
+    """
     l1 = 0.4
     l2 = 1.0
     A1 = 3.0
@@ -167,9 +170,9 @@ def stepped_rod() -> Rows:
 def restitution_by_modes(tau: float) -> float:
     """e of rods 0.4 : 1 from the damped modes of both as one; wave speed, impedance 1.
 
-    While they press, rod 1 keeps the momentum of a part of one rod of 1.4. They part
-    where that is least. The modes cos k x, k = n pi/1.4, have amplitudes q with q'' + 2
-    r q' + k^2 q = 0, r = tau k^2/2; q(0) = 0, q'(0) = 1.
+    While the rods press, they move as one rod of 1.4, of which rod 1 is a part. They
+    separate when the momentum of rod 1 is least. The modes cos k x, k = n pi/1.4, have
+    amplitudes q with q'' + 2 r q' + k^2 q = 0, r = tau k^2/2; q(0) = 0, q'(0) = 1.
     """
     k = np.arange(1, 4000) * math.pi / TOTAL
     rate = tau * k * k / 2
@@ -185,9 +188,10 @@ def restitution_by_modes(tau: float) -> float:
         v = (slow_part - fast_part) / (2 * s)
         return float(SHORT * SHORT / TOTAL + share @ v.real)
 
-    contact_times = (2 * SHORT, 2 * LONG)
+    # The contact ends between the round trips of the short and of the long rod.
+    end_bounds = (2 * SHORT, 2 * LONG)
     minimum = minimize_scalar(
-        momentum, bounds=contact_times, method="bounded", options={"xatol": 1e-9}
+        momentum, bounds=end_bounds, method="bounded", options={"xatol": 1e-9}
     )
     impulse = SHORT - float(minimum.fun)  # rod 1 came with the momentum 0.4
     e = impulse * (1 / SHORT + 1 / LONG) - 1
@@ -233,7 +237,10 @@ def restitution() -> Rows:
 
 
 def unequal_impedances(Z1: float, Z2: float) -> Rows:
-    """e of unequal impedances falls short of that of elastic rods by eta^(1/2)."""
+    """e of damped rods of unequal impedances, beside e of elastic rods.
+
+    The difference grows as eta^(1/2): it is compared at two values of eta.
+    """
     elastic = ri.theory.saint_venant(Z1, SHORT, Z2, LONG).restitution
     loss_at_1e_3 = elastic - solve_damped_pair(tau=1e-3, Z1=Z1, Z2=Z2).restitution
     loss_at_1e_4 = elastic - solve_damped_pair(tau=1e-4, Z1=Z1, Z2=Z2).restitution
@@ -272,7 +279,10 @@ def solve_ringing_pair() -> ri.Solution:
 
 
 def ringing() -> Rows:
-    """The energy falls from that after the impact to that of rigid bodies."""
+    """Energies, momentum and decay time of the ringing pair at 15 ms.
+
+    The energy falls from that after the impact to that of rigid bodies.
+    """
     solution = solve_ringing_pair()
     ring_down = solution.ring_down()
     before = solution.outcome.kinetic_before
@@ -360,7 +370,7 @@ def draw_vibration(ax: Axes, solution: ri.Solution) -> None:
     times = ring_down.times
     vibration = ring_down.vibration / before
     lowest_mode = np.exp(-times / longest_decay_time())
-    # The mode's energy is fitted by its logarithm.
+    # The mode's energy is fitted to the late vibration: the mean of the logarithms.
     is_late = times > times[-1] / 2
     ratio = ring_down.vibration[is_late] / before / lowest_mode[is_late]
     lowest_mode *= np.exp(np.mean(np.log(ratio)))

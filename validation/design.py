@@ -60,7 +60,10 @@ def run() -> Rows:
 
 
 def striker_for(name: str, shape: Floats, bound: float) -> Rows:
-    """Misfit of a stepped striker for a pulse of a shape, given at equal times."""
+    """Misfit of a stepped striker for a pulse of a shape, given at equal times.
+
+    The part of the misfit that no choice of areas can remove is subtracted.
+    """
     peak = 0.8 * Z * SPEED / 2
     times = np.linspace(0, 1, 2001) * DURATION
     pulse = ri.Signal(peak * shape, times, unit="N")
@@ -110,7 +113,7 @@ def random_ratios(seed: int) -> Floats:
 
 
 def reconstructed(ratios: Floats) -> ri.design.PulseDesign:
-    """The striker that is found from the pulse of a hidden one."""
+    """Design of a striker for the pulse of a hidden one with these impedance ratios."""
     force = Z * SPEED * glued_pulse(ratios, 2 * SEGMENTS)
     step = DURATION / SEGMENTS
     edges = step * np.arange(1, force.size)
@@ -165,7 +168,10 @@ def hidden_strikers() -> Rows:
 
 
 def momentum_trap() -> Rows:
-    """A trap that takes the second pulse of a striker."""
+    """Gap, length and velocity of a trap that takes the second arrival of a pulse.
+
+    The motion that remains in the bar is compared with 0.
+    """
     striker = ri.Rod(STRIKER_LENGTH, area=AREA, material=STEEL, velocity=SPEED)
     system = ri.System([striker, BAR])
     design = ri.design.momentum_trap(system, after=1.4 / C, until=3.4 / C)

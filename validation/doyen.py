@@ -46,7 +46,7 @@ def run() -> Rows:
 
 
 def thrown() -> Rows:
-    """The bar is thrown at the floor without gravity."""
+    """Times, force and velocity of the bar that is thrown at the floor, no gravity."""
     bar = ri.Rod(LENGTH, area=AREA, material=MATERIAL, velocity=-SPEED)
     bodies = [ri.Wall(), bar]
     system = ri.System(bodies, gaps=[HEIGHT])
@@ -83,7 +83,7 @@ def ramps(t: np.ndarray) -> np.ndarray:
 
 
 def dropped() -> Rows:
-    """The bar is dropped with gravity, and followed for three periods."""
+    """Contacts, force, height and energy of the dropped bar over three periods."""
     end = PERIODS * PERIOD
     solution = ri.solve(falling_bar(), until=end)
     floor = solution.contacts[0]
@@ -103,7 +103,7 @@ def dropped() -> Rows:
         yield case.row(f"{name}, impulse", IMPULSE, impulse, 1e-9)
 
     steps = round(end / STEP)
-    t = (np.arange(steps) + 0.5) * STEP
+    t = (np.arange(steps) + 0.5) * STEP  # between steps, as the force jumps at steps
     force_error = floor.force(t) - ramps(t)
     yield case.zero(
         "force, largest difference from the ramps", force_error, 1e-9, source="by hand"

@@ -42,7 +42,7 @@ def solved(*lengths: float) -> ri.Solution:
 
 
 def restitution() -> Axes:
-    """e of two rods over the ratio of their lengths, simple ratios and others."""
+    """Draw computed e of two rods over l1/l2, for ratios up to 1."""
     ratios = [i / 20 for i in range(1, 21)]
     ratios += OTHER_RATIOS
     restitutions = []
@@ -54,7 +54,7 @@ def restitution() -> Axes:
 
 
 def restitution_over_length() -> Axes:
-    """e of two rods of one thickness, the first from much shorter to much longer."""
+    """Draw e of two rods of one area over l1/l2, from 0.02 to 4."""
     lengths = np.linspace(0.02, 4, 200)
     first = ri.Rod(lengths, area=AREA, material=STEEL, velocity=1.0)
     second = ri.Rod(1.0, area=AREA, material=STEEL)
@@ -65,7 +65,7 @@ def restitution_over_length() -> Axes:
 
 
 def restitution_map() -> Axes:
-    """e over the ratios of length and area of two rods of one material."""
+    """Draw a map of e over the ratios of length and area of two rods."""
     ratios = np.geomspace(0.1, 10, 1000)
     length = 1.0  # m
     area = 1e-6  # m^2
@@ -81,7 +81,10 @@ def restitution_map() -> Axes:
 
 
 def contact_episodes() -> Axes:
-    """Contacts of a rod that strikes another one's head, over its length and area."""
+    """Draw a map of the number of contacts with a rod that has a head.
+
+    The axes are length and area of the head, which a plain rod strikes.
+    """
     lengths = np.geomspace(0.01, 1, 400)[:, None]
     areas = np.geomspace(2e-5, 1e-3, 300)
     head = ri.Segment(lengths, areas, STEEL)
@@ -105,7 +108,7 @@ def draw_law(
 
 
 def draw_equal_rods(ax: Axes) -> None:
-    """Restitution of chains of equal rods, over their number."""
+    """Draw e of chains of equal rods over their number, by law and computed."""
     numbers = np.arange(2, 11)
     collisions = [chain(n) for n in numbers.tolist()]
     last_rod = [collision.restitution_of_last for collision in collisions]
@@ -129,7 +132,10 @@ def draw_equal_rods(ax: Axes) -> None:
 def draw_cradle(
     ax: Axes, quantity: str, ratio: np.ndarray, result: ri.SweepResult
 ) -> None:
-    """Velocities after of a cradle over the length or the area of rods 2 to 5."""
+    """Draw the velocities after of a cradle over a ratio, on a logarithmic axis.
+
+    `quantity`, "length" or "area", is that of rods 2 to 5 over that of rod 1.
+    """
     for i, velocity in enumerate(result.velocities_after):
         ax.plot(
             ratio,
@@ -152,7 +158,7 @@ def draw_cradle(
 
 @styled
 def chains() -> Axes:
-    """Restitution of chains of equal rods, and velocities of unequal cradles."""
+    """Draw a panel of chains and two of cradles; return the left Axes."""
     equal, longer, thicker = new_figure(width=10.5, height=3.6).subplots(1, 3)
     draw_equal_rods(equal)
     length_ratio = np.geomspace(0.26, 4, 401)
@@ -166,13 +172,13 @@ def chains() -> Axes:
 
 
 def key_times(solution: ri.Solution) -> list[float]:
-    """Times of the stages of a collision of two rods.
+    """Six times of the stages of a collision of two rods, s.
 
-    Start, wave half-way along the short rod, wave at its end, end of the force, opening
-    of the gap, end of the run.
+    They are the start, the wave half-way along the short rod, the wave at its end, the
+    end of the force, the opening of the gap, and the end of the run.
     """
     episode = solution.contacts[0].episodes[0]
-    force_end = episode.force_end
+    force_end = episode.force_end  # after a round trip in the short rod
     end = solution.t_end
     return [0.0, force_end / 4, force_end / 2, force_end, episode.opening, end]
 

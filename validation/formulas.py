@@ -141,9 +141,10 @@ def stepped_striker() -> Rows:
 def against_runs(
     name: str, system: ri.System, paths: dict[str, str], symbols: tuple[str, ...]
 ) -> Rows:
-    """Velocities by formula against those of runs on fractions, at places of the cell.
+    """Results by formula against those of runs on fractions, at points of the cell.
 
-    The first three numbers of the system are multiplied by factors near 1.
+    The first three numbers of the system are multiplied by factors near 1, in all
+    combinations; points outside the cell are left out. The row counts wrong points.
     """
     form = ri.closed_form(system, symbols)
     varied = list(paths)[:3]
@@ -171,6 +172,6 @@ def one_unless_zero(x: sympy.Expr) -> Fraction:
 
 
 def wrong_inequalities(form: ri.ClosedForm, cell: set[sympy.Expr]) -> Fraction:
-    """How many inequalities are in one cell and not in the other."""
+    """Number of inequalities that only the form's cell or only the given cell has."""
     difference = set(form.cell) ^ cell
     return Fraction(len(difference))

@@ -69,7 +69,7 @@ def by_fronts() -> Rows:
     solution = ri.solve(released_bar(), until=end)
     floor = solution.contacts[0]
     t = np.linspace(0.0, end, 271)
-    between = (t + 0.0125)[:-1]
+    between = (t + 0.0125)[:-1]  # half-way to the next time: the force does not jump
     height_error = floor.gap(t) - expected_height(t)
     force_error = floor.force(between) - expected_force(between)
     case = Case("GetFEM, released bar", SOURCE)
@@ -102,7 +102,7 @@ def by_characteristics() -> Rows:
     solution = ri.solve(released_bar(), until=end, method="characteristics")
     floor = solution.contacts[0]
     t = np.arange(round(end * SAMPLES_PER_TIME) + 1) / SAMPLES_PER_TIME
-    between = (t[:-1] + t[1:]) / 2
+    between = (t[:-1] + t[1:]) / 2  # times at which the force does not jump
     height_error = floor.gap(t) - expected_height(t)
     force_error = floor.force(between) - expected_force(between)
     ends = PERIOD * np.arange(1, PERIODS + 1)

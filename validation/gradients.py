@@ -37,7 +37,7 @@ def run() -> Rows:
 
 
 def box() -> Rows:
-    """Rods of one section, lengths 2 : 5."""
+    """Derivatives of e = l1/l2 at lengths 2 : 5 of rods of one section."""
     first = rod(2, velocity=1.0)
     second = rod(5)
     system = ri.System([first, second])
@@ -50,7 +50,7 @@ def box() -> Rows:
 
 
 def kink_of_the_box() -> Rows:
-    """Rods of one section and length, where e has a kink."""
+    """One-sided derivatives of e at equal lengths, where e has a kink."""
     first = rod(2, velocity=1.0)
     second = rod(2)
     system = ri.System([first, second])
@@ -65,7 +65,7 @@ def kink_of_the_box() -> Rows:
 
 
 def near_two_to_five() -> Rows:
-    """Transit times 2.05 : 5.15, impedances 1 : 1.7."""
+    """Derivatives of e at transit times 2.05 : 5.15 and impedances 1 : 1.7."""
     T1 = 2.05
     T2 = 5.15
     r = 1.7
@@ -108,6 +108,7 @@ def scaling_errors(rng: Generator) -> np.ndarray:
 
     numbers = np.concatenate([T, Z, v])
     derivatives = [gradient[path] for path in paths]
+    # A relative change of a number x changes the result by x times its derivative.
     by_lengths, by_areas, by_velocities = sums_of_three(numbers * derivatives)
     by_gap = gap * gradient[GAP]
     length_error = by_lengths + by_gap

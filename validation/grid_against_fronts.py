@@ -44,6 +44,7 @@ def half_octaves(finest: int) -> tuple[int, ...]:
     They are half an octave apart: 100, 141, 200 and so on.
     """
     cells = []
+    # 16 = 2^4 has 5 binary digits: 4 octaves, 9 numbers with both ends.
     for i in range(2 * finest.bit_length() - 1):
         cells.append(round(100 * 2 ** (i / 2)))
     return tuple(cells)
@@ -201,7 +202,10 @@ class Errors(NamedTuple):
 
 
 def jumps(name: str, system: ri.System) -> Rows:
-    """Number of contacts, errors at 800 cells, and the orders of the errors."""
+    """Number of contacts on the finest grid, errors at 800 cells, and their orders.
+
+    The reference is the run by fronts, which lasts a fifth longer than the force.
+    """
     until = 1.2 * last_force(ri.solve(system))
     exact = ri.solve(system, until=until)
     errors = []
@@ -217,7 +221,7 @@ def jumps(name: str, system: ri.System) -> Rows:
     field = shown.field
     case = Case(name, "fronts")
     exact_contacts = contacts_in_all(exact)
-    contacts = contacts_in_all(stepped)
+    contacts = contacts_in_all(stepped)  # the last run, on the finest grid
     yield case.row("contacts in all", exact_contacts, contacts, 0.0)
 
     shown_error = f"error with {SHOWN_CELLS} cells"
@@ -251,7 +255,7 @@ def on_grid(system: ri.System, exact: ri.Solution, cells: int) -> ri.Solution:
 
 
 def errors_of(system: ri.System, exact: ri.Solution, stepped: ri.Solution) -> Errors:
-    """Errors of a run on a grid, whose collision has a contact that presses."""
+    """Errors of a run on a grid, in which at least one contact presses."""
     velocities = stepped.outcome.velocities_after
     exact_velocities = exact.outcome.velocities_after
     velocity = largest(np.subtract(velocities, exact_velocities))
@@ -284,12 +288,12 @@ def field_error(system: ri.System, exact: ri.Solution, stepped: ri.Solution) -> 
     return integral / length
 
 
-PULSE_WIDTH = 0.12  # duration, in which the pulse falls to 1/e of its height
-PULSE_DISTANCE = 0.8  # time in which its middle comes to the step
+PULSE_WIDTH = 0.12  # time in which the pulse falls to 1/e of its height
+PULSE_DISTANCE = 0.8  # time at which the middle of the pulse is at the step
 
 
 def pulse_velocity(delay: np.ndarray) -> np.ndarray:
-    """Velocity of the pulse so long after its middle."""
+    """Velocity of the pulse at a time after its middle has passed."""
     return np.exp(-((delay / PULSE_WIDTH) ** 2))
 
 
@@ -318,7 +322,7 @@ def pulse() -> Rows:
 
     # The pulse has arrived at the step at none, at half and at all of these times.
     times = np.array([0.4, 0.8, 1.6])
-    x1 = np.linspace(0.0, step, 3001)[:-1]
+    x1 = np.linspace(0.0, step, 3001)[:-1]  # the step is the first place of x2
     x2 = np.linspace(0.0, T2 * c2, 4001)
     before_step = T1 - x1[:, None] / c1  # time from a place to the step
     behind_step = x2[:, None] / c2  # time from the step to a place

@@ -62,7 +62,7 @@ def dropped_bar() -> Rows:
 
     impulse = floor.impulse_until(1.6) - floor.impulse_until(1.1)
     mean_force = impulse / 0.5
-    expected = 300 + 300 * 0.35
+    expected = 300 + 300 * 0.35  # the ramp at 1.35, the middle of this time
     t = np.linspace(1.1, 1.6, 50)
     ramp = 300 + 300 * (t - 1)
     difference = floor.force(t) - ramp
@@ -90,7 +90,7 @@ def dropped_bar() -> Rows:
 
 
 def struck_rod(mass_ratio: float) -> Rows:
-    """A rigid mass on a free rod, 400 cells."""
+    """e, impulse, contact time and energy of a mass that strikes a free rod."""
     striker = ri.RigidMass(mass_ratio, velocity=1.0)
     system = ri.System([striker, mass_on_rod.ROD])
     outcome = ri.solve(system, method=METHOD, cells=400).outcome
@@ -135,7 +135,7 @@ def loss_at_contact() -> Rows:
 
 
 def pushed_rod() -> Rows:
-    """A constant force on the left end of a free rod, 200 cells."""
+    """Motion of a free rod whose left end a constant force pushes, beside F = m a."""
     times = np.array([0.5, 1.5, 3.7])
     ends = (ri.Pushed(1.0), ri.Free())
     system = ri.System([rod(1.0)], ends=ends)
@@ -146,7 +146,7 @@ def pushed_rod() -> Rows:
     displacement = solution.displacement(0, x, times)
     centre = displacement.mean(axis=0)
     centre_error = centre - times**2 / 2
-    early = times[:2]
+    early = times[:2]  # before the wave is back at the pushed end, at t = 2
     end_error = solution.displacement(0, 0.0, early) - early
     residual = solution.energy(3.8).residual
     case = Case("force of 1 on a free rod of mass 1, 200 cells", "Newton")
@@ -166,7 +166,7 @@ def pushed_rod() -> Rows:
 
 
 def absorbed_pulse() -> Rows:
-    """A smooth pulse runs out of a bar, 200 cells."""
+    """Energies after a smooth pulse has run out of a bar through an absorbing end."""
     x = np.linspace(-0.5, 0.5, 4001)
     v = np.exp(-((x / 0.08) ** 2))
     velocity = ri.Samples(v)

@@ -81,7 +81,7 @@ def pressure_bar() -> ri.System:
 
 
 def loading(t: np.ndarray) -> np.ndarray:
-    """1 - exp(-a t) from 0 on; 0 before."""
+    """1 - exp(-a t) for t > 0, else 0."""
     return -np.expm1(-RATE * np.maximum(t, 0.0))
 
 
@@ -156,7 +156,7 @@ def bars_and_specimen() -> Rows:
 
 
 def endless_bars() -> Rows:
-    """A force of 1 arrives from an endless bar at t = 0 and never ends."""
+    """Force in a spring between endless bars; a constant wave of force 1 arrives."""
     left = rod(1.0, velocity=1.0, strain=-1.0)
     right = rod(1.0)
     spring = ri.Spring(STIFFNESS)
@@ -189,7 +189,7 @@ def first_pulse(gauge: ri.Gauge) -> Pulse:
     height = compression.max()
     inside = np.flatnonzero(compression > height / 2)
     start = gauge.times[inside[0]]
-    end = gauge.times[inside[-1] + 1]
+    end = gauge.times[inside[-1] + 1]  # a value lasts until the next time
     return Pulse(float(start), float(end), float(height))
 
 

@@ -209,7 +209,10 @@ def frequencies(method: Method) -> Rows:
 
 
 def stretch_by_modes(t: np.ndarray) -> np.ndarray:
-    """Stretch of the spring at times t, where rod 1 begins with 1 and rod 2 at rest."""
+    """Stretch of the spring at times t, for rod 1 at velocity 1 and rod 2 at rest first.
+
+    It is the sum of 5000 modes.
+    """
     w, shapes, masses = modes(MODES_OF_SUM)
     momentum = IMPEDANCES[0] * shapes[0] * np.sin(w * TRANSIT_TIMES[0]) / w
     amplitudes = momentum / (masses * w) / STIFFNESS
@@ -218,7 +221,7 @@ def stretch_by_modes(t: np.ndarray) -> np.ndarray:
 
 
 def motion(method: Method) -> Rows:
-    """The stretch over five round trips of rod 1, which starts at velocity 1."""
+    """Stretch and energy over five round trips of rod 1, which starts at velocity 1."""
     t = np.linspace(0.0, 10.0, 501)
     exact = stretch_by_modes(t)
     left = first_rod(velocity=1.0)
@@ -264,7 +267,10 @@ def junctions() -> list[Junction]:
 
 
 def dashpot(method: Method, junction: Junction) -> Rows:
-    """A pulse of strain meets a dashpot: F = 2 c v/(1 + c/Z1 + c/Z2)."""
+    """Impulse, loss and energy of a pulse of strain that meets a dashpot.
+
+    The force is F = 2 c v/(1 + c/Z1 + c/Z2), with v = 1 and Z1 = 1, for the time 1/2.
+    """
     edges = [0.25, 0.75]
     velocity = ri.Steps([0.0, 1.0, 0.0], edges)
     strain = ri.Steps([0.0, -1.0, 0.0], edges)
@@ -315,7 +321,7 @@ def stretch_with_mass(t: np.ndarray) -> np.ndarray:
 
 
 def mass_on_bar(method: Method) -> Rows:
-    """A mass at speed 1 that hangs on an endless bar, over three of its swings."""
+    """Stretch and energy of a mass at speed 1 on an endless bar, up to t = 3."""
     t = np.linspace(0.0, 3.0, 301)
     exact = stretch_with_mass(t)
     mass = ri.RigidMass(MASS, velocity=1.0)

@@ -402,7 +402,7 @@ def rise(ratio: np.ndarray, e_b: np.ndarray, e_r: np.ndarray) -> np.ndarray:
 
 
 def largest_fall(heights: np.ndarray, axis: int) -> float:
-    """Largest decrease of a height from one value of a parameter to the next."""
+    """Largest decrease of a height along an axis, from one value to the next; or 0."""
     growth = np.diff(heights, axis=axis)
     return max(0.0, -float(growth.min()))
 
@@ -474,7 +474,10 @@ def ball_on_ball() -> Rows:
 
 
 def approaching(rng: Generator) -> tuple[np.ndarray, ...]:
-    """Masses within 1 : 100 and velocities of bodies that approach each other."""
+    """m1, v1, m2, v2 of random bodies that approach each other, v1 > v2; [draw] each.
+
+    Masses lie between 0.1 and 10.
+    """
     logarithms = rng.uniform(-1, 1, (2, DRAWS))
     m1, m2 = 10.0**logarithms
     velocities = rng.normal(0, 10, (2, DRAWS))

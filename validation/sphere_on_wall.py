@@ -93,7 +93,7 @@ def method_of_steps(
     spans: list[Span] = []
 
     def past_force(t: float) -> float:
-        """Force at a time of the past."""
+        """Force at a time in the spans that are solved; 0 outside them."""
         for span in reversed(spans):
             if span.start <= t <= span.end:
                 indentation = max(float(span.state(t)[0]), 0.0)
@@ -132,6 +132,7 @@ def method_of_steps(
         indentation = solved.sol(times)[0]
         deepest = float(np.maximum(indentation, 0.0).max())
         peak_force = max(peak_force, k * deepest**1.5)
+    # Only certain digits are kept: the peak is that of 2001 times in each span.
     return Reference(float(f"{y[1]:.9g}"), float(f"{peak_force:.6g}"))
 
 

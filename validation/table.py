@@ -83,11 +83,11 @@ class Row(NamedTuple):
 
     @property
     def decimal_places(self) -> int | None:
-        """Decimal places that are shown, so that all processors show the same.
+        """Decimal places that are shown, so few that all processors show the same.
 
-        Where a bound allows only round-off, these are its own places, rounded up to a
-        power of ten. A wider bound has two places more. None stands for all places,
-        where nothing may differ.
+        They are those of the bound, if it allows only round-off and is a power of ten;
+        one fewer for another bound of round-off; two more for a wider bound. None means
+        all places: the bound is 0.
         """
         if self.bound == 0:
             return None
@@ -189,7 +189,7 @@ class Case(NamedTuple):
 
 
 def largest(differences: Any) -> float:
-    """Largest absolute value; nan if one is nan."""
+    """Largest absolute value; nan if any of the differences is nan."""
     return float(np.max(np.abs(differences)))
 
 
@@ -221,7 +221,7 @@ def title(case: str) -> str:
 
 
 def first_source(case: str) -> str:
-    """The first source that the docstring names."""
+    """The first source in the docstring, up to a comma, semicolon, colon or bracket."""
     sources = description(case).rpartition("Source:")[2]
     line = " ".join(sources.split())
     return re.split(r"[,;:(]|\.$", line)[0].strip()
@@ -238,7 +238,10 @@ def separator_line(columns: tuple[str, ...]) -> str:
 
 
 def page(case: str, rows: list[Row]) -> str:
-    """Text of the page of one case, which is `docs/validation/CASE.md`."""
+    """Text of the page of one case, `docs/validation/CASE.md`.
+
+    It has title, docstring, link to the program, table of rows, and figures.
+    """
     table = table_line(COLUMNS) + table_line(("---",) * len(COLUMNS))
     for row in rows:
         table += table_line(row.cells())
@@ -251,7 +254,7 @@ def page(case: str, rows: list[Row]) -> str:
 
 
 def verdict(case: str, rows: list[Row]) -> tuple[str, ...]:
-    """Cells of one case in the table of README.md."""
+    """Cells of one case in the table of README.md, as in `VERDICT_COLUMNS`."""
     shares = []
     for row in rows:
         if not row.allows_only_round_off:
