@@ -209,7 +209,7 @@ def frequencies(method: Method) -> Rows:
 
 
 def stretch_by_modes(t: np.ndarray) -> np.ndarray:
-    """Stretch of the spring at times t, for rod 1 at velocity 1 and rod 2 at rest first.
+    """Stretch of the spring at times t; first rod 1 has velocity 1, rod 2 rests.
 
     It is the sum of 5000 modes.
     """

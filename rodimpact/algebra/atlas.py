@@ -140,9 +140,9 @@ def _axis(name: str, value: Any) -> PlaneAxis:
 
 
 def _name(row: SymbolicRow, axis: str, path: str) -> str:
-    """Name of the number to which the path of an axis belongs.
+    """Name in the row, such as l1, of the number that the path of an axis names.
 
-    InvalidModel is raised if several numbers have this path.
+    InvalidModel is raised if the path names several numbers.
     """
     names = []
     paths = []
@@ -216,7 +216,11 @@ class Atlas:
         return f"<Atlas over {self.x[0]}, {self.y[0]}: {self._region_count} regions>"
 
     def __str__(self) -> str:
-        """The largest regions, each with its share of the plane and its formula."""
+        """Title, the largest regions with share and formula, and the names' paths.
+
+        At most `MAX_LISTED` regions are listed. Without SymPy the text is the title and
+        the reason.
+        """
         title = f"{self._region_count} regions over {self.x[0]} and {self.y[0]}"
         try:
             largest = self.largest(MAX_LISTED)
@@ -241,6 +245,9 @@ class Atlas:
 
     def largest(self, most: int) -> list[Region]:
         """The largest regions, with their formulas; needs sympy.
+
+        The size of a region is its share of points that fill the plane evenly.
+        Unresolved points belong to no region.
 
         Parameters
         ----------
@@ -274,7 +281,10 @@ class Atlas:
         return largest
 
     def _sample_points(self) -> tuple[Floats, Floats]:
-        """Coordinates of points that fill the plane evenly, [point] each."""
+        """Coordinates x and y of points that fill the plane evenly, [point] each.
+
+        They are the middles of `REGION_SAMPLES` equal steps along each axis.
+        """
         _, x_low, x_high = self.x
         _, y_low, y_high = self.y
         # Of points at half steps, every second one is the middle of a step.
@@ -284,7 +294,10 @@ class Atlas:
         return x_mesh.ravel(), y_mesh.ravel()
 
     def _formula_of(self, region: int, algebra: RationalFunctions) -> str:
-        """The formula of a region as a text, such as "e = l1/l2"."""
+        """The formula of a region as a text, such as "e = l1/l2".
+
+        Without a formula of e these are the velocities after, separated by commas.
+        """
         cell = self.cells[self.region.index(region)]  # the first cell of the region
         results = dict(shown_results(cell.results))
         functions = algebra.functions_of(results.values())
@@ -312,7 +325,7 @@ class Atlas:
 
     @cached_property
     def contacts(self) -> list[tuple[int, ...]]:
-        """Number of episodes of each contact, by region."""
+        """Number of episodes of each contact, a tuple for each region."""
         episodes = []
         for region in sorted(set(self.region)):
             cell = self.cells[self.region.index(region)]

@@ -26,10 +26,11 @@ class BorderLine(NamedTuple):
 
 
 def join_points(borders: BorderPoints) -> BorderLines:
-    """Join the border points on the edges of each mesh.
+    """Straight lines between the border points on the four edges of each mesh.
 
-    Two points between the same regions are joined, and so are two points that remain.
-    More points than two are joined to a centre, where several borders meet.
+    In a mesh, two points between the same regions are joined, and so are two points
+    that remain. If more than two remain, each is joined to a centre, where several
+    borders meet.
     """
     points_on_edge: dict[int, list[int]] = {}
     for p, edge in enumerate(borders.edges.tolist()):
@@ -91,9 +92,8 @@ def _lines_in_mesh(borders: BorderPoints, points: list[int]) -> Iterator[BorderL
 def _centre(borders: BorderPoints, points: list[int]) -> Any:
     """Point where several borders meet in a mesh.
 
-    A border along an axis crosses the edges that run across it. So the points on edges
-    along x tell the x of the centre, and those on edges along y its y, if there are
-    any.
+    Its x is the mean x of the points on edges along x, and its y the mean y of the
+    points on edges along y. Without such points it is the mean of all points.
     """
     centre = borders.points[points].mean(axis=0)
     for axis in (0, 1):

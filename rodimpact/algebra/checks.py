@@ -17,7 +17,7 @@ from ..units import shown
 
 
 def check_system(system: System) -> None:
-    """Raise InvalidModel for a system that has something without exact numbers."""
+    """Raise InvalidModel for a family, or a system with physics that is not exact."""
     check_kind("system", system, System, "System([rod, Wall()])")
     problems: Problems = []
     if system.shape:

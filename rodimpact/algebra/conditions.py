@@ -92,10 +92,10 @@ def cell_conditions(run: ExactRun, *, in_order: bool) -> list[TracedFraction]:
 
 
 def _proof_tick(simulation: Simulation, max_events: int) -> TracedFraction:
-    """Tick of the proof as a function of the names.
+    """Tick of the proof as a traced fraction, a function of the names.
 
-    If the kernel waited for its proof, the tick is an integer of its own, the tick of
-    no event. Then the run goes on to the next event, whose tick is returned.
+    If the kernel waited for its proof, the tick is an integer, and no event has it.
+    Then the run goes on to the next event, and the tick of this event is returned.
     """
     proof_tick: TracedFraction = simulation.run.proved_tick + ZERO  # traced, not int
     for row in simulation.log[: simulation.run.log_rows]:
@@ -129,7 +129,7 @@ def _last_change(simulation: Simulation, end: TracedFraction) -> TracedFraction:
 
 
 def _longest_transit(run: ExactRun) -> TracedFraction:
-    """Longest transit time of a body, ticks."""
+    """Longest transit time of a body, the sum over its segments, ticks."""
     longest = ZERO
     for first, last in run.row.spans:
         if last == 0:  # a wall has no segments

@@ -335,9 +335,10 @@ class ClosedForm:
         return tuple(self.cell[i] for i in in_order_of_cell)
 
     def where(self, remedy: str) -> str:
-        """The nearest conditions in a line, and how many more there are.
+        """A line "where ..." with the nearest conditions, and how many more there are.
 
-        Where `cell` raises FormulaTooLong, the line says so, and what to do.
+        It is "where always" without conditions. If they are too long to compute, the
+        line says so, and what to do.
 
         Parameters
         ----------
@@ -397,14 +398,15 @@ class ClosedForm:
             all_borders: set[Any] = set()
             for cell in cells:
                 all_borders |= set(cell.borders)
-            borders = [*all_borders - ties.inner - ties.outer, *ties.outer]
+            other_borders = all_borders - ties.inner - ties.outer
+            borders = [*other_borders, *ties.outer]
         return self._algebra.without_implied(borders)
 
     @cached_property
     def _ties(self) -> Ties:
-        """Borders p = 0 of all cells on which the numbers of the system lie.
+        """Borders p = 0 of this formula's cells on which the numbers of the system lie.
 
-        Such a border is inner if another cell of the formula has it as -p.
+        Such a border is inner if another of these cells has the border -p, else outer.
         """
         ties: set[Any] = set()
         for cell in self._cells:
@@ -474,7 +476,10 @@ class ClosedForm:
         return lines
 
     def _line(self) -> str:
-        """The formula and where it holds, as a side of another formula."""
+        """The formula, and the inequalities that divide it from its neighbours.
+
+        It is one line. A sentence replaces a formula that is too long.
+        """
         formula = "a formula that is too long to print"
         try:
             equations = []
@@ -489,7 +494,10 @@ class ClosedForm:
 
     @property
     def _separating_inequalities(self) -> list[Any]:
-        """Inequalities p > 0 for the ties p of the first cell to other formulas."""
+        """Inequalities p > 0 that divide the first cell from cells of other formulas.
+
+        They are its ties p, if a cell of another formula has the tie -p.
+        """
         ties_of_others: set[Any] = set()
         for other in self._others:
             ties_of_others |= set(other.ties)
@@ -500,7 +508,10 @@ class ClosedForm:
         return inequalities
 
     def _repr_latex_(self) -> str:
-        """The formula and its nearest conditions in LaTeX, for a notebook."""
+        """The formula and its nearest conditions in LaTeX, for a notebook.
+
+        A sentence replaces conditions that are too long to compute.
+        """
         latex = self._algebra.sympy.latex
         equations = []
         for name, value in shown_results(self._results):

@@ -63,7 +63,10 @@ class FormulaCell:
 
     @cached_property
     def ties(self) -> list[Any]:
-        """Borders on which the numbers of the system lie."""
+        """Borders, polynomials p, on which the numbers of the system lie: p = 0 there.
+
+        Those that others imply are left out.
+        """
         algebra = self._algebra
         base_values = algebra.base_values
         numbers = _values_of(self._conditions, base_values)
@@ -73,10 +76,10 @@ class FormulaCell:
 
     @cached_property
     def tie_normals(self) -> list[Any]:
-        """Unit normals of the ties, towards the cell, [free name] arrays.
+        """Unit normals of the ties, towards the inside of the cell, [free name] arrays.
 
-        Components are along the free names, each relative to its value. A tie without a
-        slope at the numbers of the system has no normal.
+        Components are along the free names, each relative to its value. A tie whose
+        slope at the numbers of the system is 0 has no normal in the list.
         """
         normals = []
         for p in self.ties:
@@ -88,7 +91,11 @@ class FormulaCell:
     def contains(
         self, point: Mapping[str, Fraction], open_borders: Collection[Any] = ()
     ) -> bool:
-        """Whether a point lies inside the cell, or on one of the `open_borders`."""
+        """Whether a point lies inside the cell, or on one of the `open_borders`.
+
+        No condition may be negative there. If a condition is 0, each of its factors
+        must be positive there or be an open border.
+        """
         numbers = _values_of(self._conditions, point)
         if any(x < 0 for x in numbers):
             return False
@@ -110,9 +117,9 @@ class FormulaCell:
 def _values_of(
     numbers: list[TracedFraction], point: Mapping[str, Fraction]
 ) -> list[Fraction]:
-    """Values of traced fractions at a point; 0 for those that divide by 0 there.
+    """Values of traced fractions at a point; 0 for each that divides by 0 there.
 
-    A formula may have a limit there, which is not computed.
+    Such a number may have a limit there, which is not computed.
     """
     try:
         return Program(numbers, Fraction)(point)

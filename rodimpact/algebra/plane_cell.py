@@ -116,9 +116,9 @@ class PlaneCell:
             return broadcast[1:] > 0  # without x
 
     def _values_at(self, x: Floats, y: Floats) -> dict[str, Any]:
-        """Values of all names at points of the plane.
+        """Values of all names at points (x, y) of the plane, arrays or numbers.
 
-        Wave speeds of materials that vary there are computed anew.
+        A wave speed is computed anew if its E or rho is along an axis.
         """
         values: dict[str, Any] = dict(self._fixed_values)
         values.update(zip(self._axes, (x, y), strict=True))

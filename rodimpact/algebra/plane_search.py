@@ -133,7 +133,7 @@ class PlaneSearch:
         max_events: int,
         report: ProgressReport,
     ) -> None:
-        """Begin without any cell."""
+        """Store the arguments and the ends of the axes; there is no cell yet."""
         self.cells: list[PlaneCell] = []
         self.regions: list[int] = []
         self._region_of: dict[tuple[Any, ...], int] = {}  # region of each signature
@@ -192,14 +192,21 @@ class PlaneSearch:
         return cells
 
     def _add(self, cell: PlaneCell) -> None:
-        """Add a cell, and its region if that is new."""
+        """Add a cell, and the number of its region.
+
+        Cells of equal signatures share a region; a new signature gets the next number.
+        """
         next_region = len(self._region_of)
         region = self._region_of.setdefault(cell.signature(), next_region)
         self.cells.append(cell)
         self.regions.append(region)
 
     def _solve(self, shares: Floats) -> PlaneCell | None:
-        """The cell of a point; None if its collision or the formula is too long."""
+        """The cell of a point, by a run on fractions, not added to `cells`.
+
+        `shares` are the point's two shares of the axes. The result is None if the
+        collision is not over at the cap on events, or the formula is too long.
+        """
         changed = {}
         for name, share, axis in zip(self._names, shares, self._axes, strict=True):
             low = Fraction(axis.low)
@@ -276,6 +283,7 @@ class PlaneSearch:
                 if point is not None:
                     points[i] = point
                     borders.append(i)
+                # The search ends with these points, about.
                 points_done = ALL_POINTS - len(undecided) + count
                 self._report(max(self._points_done, points_done), ALL_POINTS)
             pieces.append(
@@ -334,7 +342,7 @@ class PlaneSearch:
         Returns
         -------
         [2] array or None
-            None if there is a third region in between.
+            None if there is a third region in between, or a collision is too long.
         """
         low, high = interval
         while high - low > BORDER_TOLERANCE:

@@ -57,7 +57,10 @@ class RationalFunctions:
     def __init__(
         self, row: SymbolicRow, progress: bool | ProgressFunction = True
     ) -> None:
-        """Import SymPy, and make its field of rational functions of the row's names."""
+        """Import SymPy, and make its field of rational functions of the row's names.
+
+        ImportError is raised without SymPy.
+        """
         self.sympy: Any = optional("sympy", extra="sympy")
         self.row = row
         self.base_values = row.values({})
@@ -195,6 +198,7 @@ class RationalFunctions:
         total = Fraction(0)
         for powers, c in p.terms():
             coefficient = Fraction(int(c.numerator), int(c.denominator))
+            # Most powers n are 0: their factors 1 are left out.
             monomial = math.prod(x**n for x, n in zip(point, powers, strict=True) if n)
             total += coefficient * monomial
         return total
@@ -273,9 +277,9 @@ def check_length(left: Any, right: Any) -> int:
 
 
 def definite(p: Any) -> bool:
-    """Whether a polynomial is seen to be positive: all its coefficients are.
+    """Whether a polynomial is certainly positive: all its coefficients are positive.
 
-    With a velocity in it the answer is no, since velocities have any sign.
+    The answer is also no if a velocity occurs in it, since velocities have any sign.
     """
     velocities = []  # indices of the variables
     for i, symbol in enumerate(p.ring.symbols):
@@ -376,7 +380,10 @@ def _in_new_variables(p: Any, linear: list[Any]) -> Iterator[Any]:
 def _second_substitutions(
     linear: list[Any], form: Any, first: Substitution
 ) -> Iterator[Substitution]:
-    """Substitutions by another linear form, after a first one by `form`."""
+    """Substitutions for a second variable by the other linear forms.
+
+    The first substitution, by `form`, is made in these forms before.
+    """
     for other in linear:
         if other is form:
             continue
@@ -386,15 +393,16 @@ def _second_substitutions(
 
 
 def _substitutions(form: Any) -> list[Substitution]:
-    """Each variable that grows with a linear form, solved for by means of the form.
+    """Substitutions for each variable x whose coefficient a in a linear form is > 0.
 
-    form = a x + rest, so x = (form - rest)/a. There the form is written as x again: a
-    new variable, which is positive as x was.
+    From form = a x + rest follows x = (form - rest)/a. In the result the name x stands
+    for the form: a new variable, which is positive as x was.
     """
     substitutions = []
     for x in form.ring.gens:
         a = form.coeff(x)
         if a > 0:
             rest = form - a * x
+            # This x is the new variable, the form itself.
             substitutions.append(Substitution(x, (x - rest) / a))
     return substitutions

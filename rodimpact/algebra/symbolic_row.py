@@ -44,7 +44,7 @@ class SymbolWords:
     """
 
     def __init__(self, system: System, symbols: Sequence[str]) -> None:
-        """Find the numbers that have a path by the name of their material, too."""
+        """Store the symbols, and the material's path of each number that has one."""
         self.symbols = list(symbols)
         self._material_path_of: dict[str, str] = {}
         for path, entries in entries_by_path(system).items():
@@ -170,7 +170,10 @@ class SymbolicRow:
         return values
 
     def run(self, values: Mapping[str, Fraction], max_events: int) -> ExactRun:
-        """Run the row with these values of all names."""
+        """Run the row with these values of all names, on traced fractions.
+
+        The run may end at `max_events` before it is final.
+        """
         named_numbers = {}
         for name, value in values.items():
             named_numbers[name] = TracedFraction(value, name)
@@ -182,7 +185,7 @@ class SymbolicRow:
 
 
 def _check_symbols(symbols: Any) -> None:
-    """Raise InvalidModel unless the symbols are a list of texts."""
+    """Raise InvalidModel unless the symbols are a list or tuple of texts."""
     is_list = isinstance(symbols, list | tuple)
     if not is_list or not all(isinstance(symbol, str) for symbol in symbols):
         message = "must be a list of paths or words, such as ['length'], got "
@@ -206,7 +209,7 @@ class _SymbolSource:
     """
 
     def __init__(self, row: Row, words: SymbolWords, roots: SquareRoots) -> None:
-        """Begin without any name."""
+        """Store row, words and roots; no number has a name yet."""
         self.paths: dict[str, str] = {}
         self.base: dict[str, Fraction] = {}
         self.wave_speeds: dict[str, NamedWaveSpeed] = {}
@@ -220,8 +223,8 @@ class _SymbolSource:
     def number(self, path: str, value: float) -> Any:
         """Number at a path, with a name such as l2 if a symbol names it.
 
-        None for a transit time or an impedance without a symbol: it follows from other
-        numbers.
+        A number without a symbol is a constant. The result is None for a transit time
+        or an impedance without a symbol, which follows from other numbers.
         """
         owner, _, quantity = path.rpartition(".")
         if quantity == "gap" and value == 0:
@@ -320,7 +323,10 @@ class _SymbolSource:
         self.base[name] = value
 
     def check_use_of_symbols(self) -> None:
-        """Raise InvalidModel where a symbol names none of the numbers."""
+        """Raise InvalidModel if there is no symbol, or one names no number of the row.
+
+        To be called when all numbers have been asked for.
+        """
         if not self._words.symbols:
             raise InvalidModel([("symbols", "must name a number")])
         known_words = self._words_for_all(self._asked_paths)

@@ -227,7 +227,10 @@ class Program:
     def __init__(
         self, wanted: list[TracedFraction], constant: Callable[[Fraction], Any]
     ) -> None:
-        """List the steps of the histories, the operands of each step before it."""
+        """List the steps of the histories in order: operands before their operation.
+
+        Equal steps, also of different numbers, become one.
+        """
         index_of_step: dict[Step, int] = {}  # equal steps are computed once
         index_of: dict[int, int] = {}  # step of each traced fraction, by its id
         pending = wanted[::-1]  # a stack: the last number is taken first

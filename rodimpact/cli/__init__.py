@@ -155,7 +155,10 @@ def _check_source_date() -> None:
 
 
 def _parse_and_run(argv: list[str]) -> CommandResult:
-    """Find the command, parse its arguments and run it."""
+    """Find the command, parse its arguments and run it.
+
+    An unknown command, help and mistakes in the arguments end in SystemExit.
+    """
     parser = _program_parser()
     call = parser.parse_args(argv)
     if call.command not in COMMANDS:
@@ -179,7 +182,10 @@ def _parse_and_run(argv: list[str]) -> CommandResult:
 
 
 def _command_hint(command: str) -> str:
-    """What is wrong with a missing or unknown command, and which one may be meant."""
+    """Message on a missing or unknown command, which is not in `COMMANDS`.
+
+    It gives the call from `NO_COMMANDS`, the command that may be meant, or all of them.
+    """
     from ..hints import similar
 
     if command in NO_COMMANDS:
@@ -218,7 +224,11 @@ class _Parser(argparse.ArgumentParser):
         return parsed
 
     def _hint(self, word: str) -> str:
-        """What is wrong with the first word that belongs to no option."""
+        """Message on an unknown word, with a remedy.
+
+        An unknown option is answered by a call from `NO_OPTIONS`, or by the nearest
+        option. Another word may be the name of a file for an output that is printed.
+        """
         from ..hints import nearest
 
         if not word.startswith("-"):

@@ -60,7 +60,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: Arguments) -> CommandResult:
-    """Check all arguments, solve, draw, and describe the film."""
+    """Check all arguments, solve, write the film, and describe it in a line.
+
+    If the run stopped early, a second line says why, and the status is INCOMPLETE.
+    """
     from .. import plot
     from ..plot.films import check_film
     from ..plot.moving import check_frames
@@ -84,7 +87,7 @@ def run(args: Arguments) -> CommandResult:
     if reason:
         path = "--until"
         if args.until is None:
-            path = "solve"
+            path = "solve"  # the table of the case, which has the end of the run
         raise InvalidModel([(path, reason)])
     print_progress("drawing")
     look = "light"

@@ -151,7 +151,10 @@ class Arguments(argparse.Namespace):
             return math.nan
 
     def read_case(self, vary: Mapping[str, str] | None = None) -> Any:
-        """The case; None, with its mistakes added by their keys, if it is invalid."""
+        """The case of the call, in which the numbers in `vary` have grids of values.
+
+        None if it is invalid; its mistakes are added, by their keys.
+        """
         return self.build_or_add_problems(read_case, self.case, vary, names=CASE_KEYS)
 
     def run_options(self, case: Case | None) -> dict[str, Any]:

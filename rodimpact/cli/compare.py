@@ -141,7 +141,7 @@ def _compare(
     positions: GaugePositions,
     records: dict[str, Signal],
 ) -> dict[str, Comparison]:
-    """Compare the records with the gauges of a solution, by channel.
+    """Comparison of each record with the gauge of a solution, by channel.
 
     InvalidModel is raised if the run lasted no time.
     """
@@ -198,7 +198,7 @@ def _pulse(signal: Signal, start: float, end: float) -> Pulse | None:
 
 
 def _tables(comparisons: dict[str, Comparison]) -> str:
-    """Tables of all channels."""
+    """Two tables for each channel: of the pulses, and of misfit, shift and factor."""
     blocks = []
     for name, comparison in comparisons.items():
         pulses = align(list(_pulse_rows(name, comparison)))

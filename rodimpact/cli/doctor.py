@@ -29,7 +29,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> CommandResult:
-    """Table or JSON of the versions and the cache; with --warm, compile everything."""
+    """Table or JSON of the versions and the cache; with --warm, compile everything.
+
+    The status is FAULT if --warm is given and there is no compiler.
+    """
     versions = _versions()
     cache = None
     seconds = None

@@ -26,7 +26,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> CommandResult:
-    """Write the page and open it; the result is its path."""
+    """Write the page and open it, unless --no-browser is given; print its path."""
     if args.case is None:
         case = _default_case()
     else:

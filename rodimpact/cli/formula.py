@@ -36,7 +36,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: Arguments) -> CommandResult:
-    """Formulas in the cell of the case and in cells beside a border: text or LaTeX."""
+    """Formulas in the cell of the case and in cells beside a border: text or LaTeX.
+
+    The text begins with the path of each symbol. Without SymPy a message is printed,
+    and the status is MISTAKE.
+    """
     case = read_case(args.case)
     symbols = args.symbols.replace(" ", "").split(",")
     try:

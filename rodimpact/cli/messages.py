@@ -130,7 +130,7 @@ def as_options(text: str) -> str:
 
 
 def _as_key(match: re.Match[str]) -> str:
-    """The key of a case file, for a message about the table [solve]."""
+    """The key that replaces an argument in a line about the table [solve] of a case."""
     argument = _argument_in(match)
     if match["value"]:
         return f'solve.{argument} = "{match["value"]}"'
@@ -138,7 +138,7 @@ def _as_key(match: re.Match[str]) -> str:
 
 
 def _as_option(match: re.Match[str]) -> str:
-    """The option, with its value if the message gives one."""
+    """The option that replaces an argument, with its value if the message gives one."""
     if match[0] == "(until)":  # an example: "lower the cap, or stop earlier (until)"
         return "(--until)"
     argument = _argument_in(match)

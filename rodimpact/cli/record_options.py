@@ -53,7 +53,7 @@ def add_case_and_record(parser: argparse.ArgumentParser) -> None:
 
 
 def add_record_options(parser: argparse.ArgumentParser) -> None:
-    """Add the form of the record, and its bridge."""
+    """Add two groups of options: the form of the record, and its bridge."""
     record = parser.add_argument_group(
         "form of the record, where the file does not state it"
     )

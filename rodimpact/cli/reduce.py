@@ -143,7 +143,8 @@ def run(args: Arguments) -> CommandResult:
     first = min(bodies, default=0)
     if args.direct_impact:
         _check_direct_impact(args, bodies, is_cut)
-    elif bodies != {first, first + 1} and not is_cut:
+    are_neighbours = bodies == {first, first + 1}
+    if not (args.direct_impact or is_cut or are_neighbours):
         args.problems.append(
             (
                 "--gauge",

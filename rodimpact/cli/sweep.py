@@ -84,7 +84,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: Arguments) -> CommandResult:
-    """Check all arguments, solve, write the files; table, CSV or JSON."""
+    """Check all arguments, solve the family, write the files; table, CSV or JSON.
+
+    The status is INCOMPLETE if a collision stopped early.
+    """
     case = args.read_case(_grids(args))
     if case is not None:
         _check_case(args, case)
@@ -121,7 +124,10 @@ def run(args: Arguments) -> CommandResult:
 
 
 def _grids(args: Arguments) -> dict[str, str]:
-    """Grids of the numbers that vary, as texts by path; problems are added."""
+    """Grids of the numbers that vary, as texts by path.
+
+    Problems are added: no --vary, one that is not PATH=GRID, and a path given twice.
+    """
     grids: dict[str, str] = {}
     if not args.vary:
         message = f"name what to vary: --vary {EXAMPLE}"

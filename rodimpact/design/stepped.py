@@ -162,7 +162,10 @@ def striker(
 
 
 def _check_bodies(bar: Rod, material: Material, contact: object) -> None:
-    """Raise InvalidModel for a bar, material or contact that the search cannot take."""
+    """Raise InvalidModel unless the search can take a bar, a material and a contact.
+
+    The bar must be a single uniform rod at rest, the material without viscosity.
+    """
     is_family = System([bar]).shape != ()
     if len(bar.segments) != 1 or is_family or bar.velocity or bar.strain:
         raise invalid_argument(
@@ -179,7 +182,11 @@ def _check_bodies(bar: Rod, material: Material, contact: object) -> None:
 
 
 def _checked_force(wanted: object, end: float, contact: Rigid | Bonded) -> Signal:
-    """The wanted force until `end`, s; InvalidModel if no striker can give it."""
+    """The wanted force until `end`, s, as a signal.
+
+    InvalidModel is raised if it is no force over time, is always 0, or is tensile
+    somewhere with a contact that cannot pull.
+    """
     force = force_over_time(wanted, end)
     if not force.values.any():
         raise invalid_argument(

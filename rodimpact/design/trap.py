@@ -146,7 +146,10 @@ class _EndWaves(NamedTuple):
 
 
 def _end_waves(solution: Solution, body: int) -> _EndWaves:
-    """Waves at the right end of a rod, as forces -E A strain, pushing ones positive."""
+    """Waves at the right end of a rod, as forces -E A strain, N.
+
+    Compressive waves are positive.
+    """
     rod: Any = solution.system.bodies[body]
     segment = rod.segments[-1]
     length = float(rod.length)

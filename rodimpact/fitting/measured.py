@@ -139,7 +139,7 @@ class Measured(FrozenDataclass):
 
     @property
     def title(self) -> str:
-        """Name of the record in tables."""
+        """Name of the record in tables: that of its signal, or the gauge's position."""
         if self.signal.name:
             return self.signal.name
         body, x = self.gauge

@@ -94,7 +94,11 @@ def _bound_sentence(number: Fitted, bound: float, remedy: str) -> str:
 def _notes_on_searches(
     fitted: Sequence[Fitted], descents: Sequence[Descent]
 ) -> Iterator[str]:
-    """Notes on a best search that was stopped, and on others that ended elsewhere."""
+    """Notes on the searches, of which `descents` has the ends, the best first.
+
+    They say whether the best was stopped, how many ended at larger misfits, and which
+    numbers differ between searches with the same misfit as the best.
+    """
     best = descents[0]
     if not best.complete:
         yield "The best search was stopped before it reached a minimum."
@@ -129,10 +133,16 @@ def notes_on_records(
     predicted: Sequence[Signal],
     misfits: Sequence[float],
 ) -> Iterator[str]:
-    """Notes on records that the model does not describe to within their noise."""
+    """Notes on records that the model does not describe to within their noise.
+
+    There is one for a misfit that is both above `MISFIT_OVER_NOISE` times the noise
+    before the pulse and above `LEAST_MISFIT`. Without a measured noise there is none.
+    """
     for record, prediction, misfit in zip(measured, predicted, misfits, strict=True):
         noise = noise_before_pulse(record, prediction)
-        if misfit > max(MISFIT_OVER_NOISE * noise, LEAST_MISFIT):
+        # An unknown noise makes the limit nan, which no misfit exceeds.
+        limit = max(MISFIT_OVER_NOISE * noise, LEAST_MISFIT)
+        if misfit > limit:
             yield (
                 f"{record.title}: the misfit, {100 * misfit:.2g} %, is far above the "
                 f"noise before the pulse, {100 * noise:.2g} %. The model does not "

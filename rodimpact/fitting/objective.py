@@ -119,7 +119,10 @@ class Objective:
         executor: Executor | None,
         on_solved: Callable[[], object] | None = None,
     ) -> None:
-        """Take bounds and places of all numbers, and divide the records by levels."""
+        """Store bounds and indices of all numbers, and the records over their levels.
+
+        Predictions will be solved by the executor, or one by one without it.
+        """
         self.measured = measured
         self.numbers: list[Parameter] = [*parameters, *record_parameters]
         self._on_solved = on_solved

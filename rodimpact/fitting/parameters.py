@@ -72,21 +72,21 @@ class SystemParameter(NamedTuple):
         return self.high - self.low
 
     def value(self, share: float) -> float:
-        """The number at a share."""
+        """The number at a share, which grows linearly with it, or by equal ratios."""
         x = self._offset + self._extent * share
         if self.is_by_ratio:
             return math.exp(x)
         return x
 
     def share(self, value: float) -> float:
-        """Share of a number; that of the nearer bound if it is beyond the bounds."""
+        """Share of a number; 0 or 1 if it is below or above the bounds."""
         x = min(max(value, self.low), self.high)
         if self.is_by_ratio:
             x = math.log(x)
         return (x - self._offset) / self._extent
 
     def slope(self, share: float) -> float:
-        """Derivative of `value`."""
+        """Derivative of the number with respect to the share, at a share."""
         if self.is_by_ratio:
             return self._extent * self.value(share)
         return self._extent

@@ -289,7 +289,8 @@ def bearing_graph(
             for job in results:
                 points[job.start] = job.result
             report(len(points), R.size)
-    return BearingGraph(system, share, tuple(points[i] for i in range(R.size)))
+    in_order = tuple(points[i] for i in range(R.size))  # jobs end in any order
+    return BearingGraph(system, share, in_order)
 
 
 def _check_strength(system: System, row: PileRow, R: Floats) -> None:

@@ -320,6 +320,7 @@ def strike(
     time_left = longest - solution.t_end  # s
     if not aftermath.is_over and time_left > 0:
         pile = _without_caught(solution, row)
+        # The first run of the settling is as long as the blow so far.
         duration = min(solution.t_end, time_left)
         if until is not None:
             duration = time_left
