@@ -7,6 +7,8 @@ from networks import UNIT, unit_rod
 
 import rodimpact as ri
 from rodimpact.algebra import exact_run
+from rodimpact.algebra.plane_cell import PlaneCell
+from rodimpact.algebra.symbolic_row import SymbolicRow
 from rodimpact.methods.fronts.simulation import start_simulation
 
 LENGTH = "bodies.1.length"
@@ -168,6 +170,23 @@ def test_a_point_whose_cell_needs_endless_events_is_unresolved(uniform_atlas):
     x, y = np.meshgrid([1e29, 5e29, 9e29], [0.6, 1.1, 1.5])
     assert len(plane.cells) < 3
     assert -1 in plane.locate(x, y)
+
+
+def test_a_cell_ends_where_the_gap_never_closes():
+    """At equal velocities the time of contact is gap/0, and conditions are not finite.
+
+    Such a point is outside, and so are those at which the gap opens.
+    """
+    paths = ["bodies.0.velocity", "bodies.1.velocity"]
+    first = unit_rod(velocity=1.0)
+    second = unit_rod(2.0)
+    row = SymbolicRow(ri.System([first, second], gaps=[0.5]), paths)
+    values = row.values({})
+    run = row.run(values, max_events=100)
+    cell = PlaneCell(row, run, values, axes=["v1", "v2"])
+    v1 = np.array([1.0, 0.0, -1.0, 0.0])
+    v2 = np.array([0.5, 0.0, -1.0, 1.0])
+    assert cell.inside(v1, v2).tolist() == [True, False, False, False]
 
 
 @pytest.mark.parametrize(
