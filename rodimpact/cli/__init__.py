@@ -22,21 +22,21 @@ from .exit_status import STATUSES as STATUSES
 from .messages import as_options, complain
 
 COMMANDS = {
-    "box": "replay the textbook's collisions of elastic rods, in words and figures",
+    "box": "describe and draw three textbook collisions of elastic rods",
     "run": "solve a case file",
-    "sweep": "solve a family of collisions, in which numbers of a case vary",
-    "bearing": "compute the bearing graph of a pile: blows against resistance",
-    "compare": "compare a measured record with the gauges of a case",
-    "reduce": "read stress and strain of a specimen off the gauges of two bars",
-    "explore": "play with a collision in the browser",
-    "export": "write a collision as a page to hand out",
-    "animate": "make a moving picture of a case: GIF or MP4",
-    "formula": "solve a case in symbols: e as a formula, and where it holds",
-    "rigid": "collide two rigid bodies",
+    "sweep": "solve a family of collisions: numbers of a case vary",
+    "bearing": "compute the bearing graph of a pile: blow count against resistance",
+    "compare": "compare a measured record with computed strains",
+    "reduce": "compute stress and strain of a specimen between two bars",
+    "explore": "open a page with sliders in the browser",
+    "export": "write a page with sliders to a file",
+    "animate": "make an animation of a case: GIF or MP4",
+    "formula": "solve a case in symbols: formulas, and conditions for them",
+    "rigid": "compute a collision of two rigid bodies",
     "verify": "check each method against a closed form",
-    "materials": "list materials, with the source of each number",
-    "help": "list the units that a number may have",
-    "doctor": "show versions, and where compiled code is kept",
+    "materials": "list the materials, with the source of each number",
+    "help": "list the units of numbers",
+    "doctor": "show versions and the folder of compiled code",
 }
 
 
@@ -273,7 +273,7 @@ def _program_parser() -> argparse.ArgumentParser:
     lines += ["", "exit status:"]
     for status, meaning in STATUSES.items():
         lines.append(f"  {status:<10} {meaning}")
-    lines += ["", "rodimpact COMMAND --help tells more about a command."]
+    lines += ["", "rodimpact COMMAND --help explains a command."]
     parser = _new_parser(
         prog="rodimpact",
         description=(
@@ -289,7 +289,7 @@ def _program_parser() -> argparse.ArgumentParser:
         nargs="?",
         default="",
         metavar="COMMAND",
-        help="what to do, see below",
+        help="one of the commands below",
     )
     parser.add_argument(
         "arguments", nargs=argparse.REMAINDER, metavar="...", help="its arguments"

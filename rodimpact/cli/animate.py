@@ -1,10 +1,10 @@
-"""Make a moving picture of a case: the row, its space-time diagram, contact forces.
+"""Make an animation of a case: rods, space-time diagram, contact forces.
 
 rodimpact animate CASE.toml -o collision.gif
 
-FILE ends in .gif, or in .mp4, for which ffmpeg is needed. `rodimpact export` makes a
-page with a play button. [output] of the case is ignored here. The exit status is 3 if
-the run stopped early; the picture then ends there.
+FILE ends in .gif or .mp4; ffmpeg is needed for .mp4. `rodimpact export` makes a page
+with a play button. [output] of the case is ignored. The exit status is 3 if the run
+stopped early; the animation then ends at this time.
 """
 
 import argparse
@@ -34,7 +34,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--output",
         metavar="FILE",
         required=True,
-        help="the picture: .gif or .mp4",
+        help="file of the animation: .gif or .mp4",
     )
     parser.add_argument(
         "--field",
@@ -46,15 +46,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         parser, "--frames", "", "number of frames, 2 to 10000; default 120", default=120
     )
     add_number(
-        parser, "--fps", "dimensionless", "frames a second; default 25", default=25.0
+        parser, "--fps", "dimensionless", "frames per second; default 25", default=25.0
     )
     add_number(
         parser,
         "--magnify",
         "dimensionless",
-        "magnification of displacements and gaps; chosen by default",
+        "magnification of displacements and gaps; default: chosen automatically",
     )
-    parser.add_argument("--dark", action="store_true", help="light lines on dark paper")
+    parser.add_argument(
+        "--dark", action="store_true", help="light lines on a dark background"
+    )
     add_run_options(parser, ("until",))
     parser.add_argument("--force", action="store_true", help="replace an existing file")
 

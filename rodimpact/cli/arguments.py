@@ -30,9 +30,12 @@ T = TypeVar("T")
 RUN_NUMBERS = {
     "until": ("time", "end of the run; default: that of the case"),
     "dt": ("time", "time step of finite-difference"),
-    "rtol": ("dimensionless", "relative accuracy of the outcome"),
+    "rtol": ("dimensionless", "accepted relative error of the outcome"),
     "max_events": ("", "largest number of events; default: that of the case"),
-    "cells": ("", "cells of finite-difference"),
+    "cells": (
+        "",
+        "cells of finite-difference in the rod with the longest transit time",
+    ),
     "snapshots": ("", "number of states that finite-difference stores"),
 }
 """Numbers that say how to run: their dimension, and their help."""
@@ -329,7 +332,7 @@ def add_run_options(
 ) -> None:
     """Add the method, and some of the numbers in `RUN_NUMBERS`."""
     parser.add_argument(
-        "--method", choices=METHOD_NAMES, help="default: that of the case"
+        "--method", choices=METHOD_NAMES, help="default: method of the case"
     )
     for name in names:
         dimension, help_text = RUN_NUMBERS[name]

@@ -1,15 +1,15 @@
-"""Compute the bearing graph of a pile: blows for a metre of set, by resistance.
+"""Compute the bearing graph of a pile: blows per metre of set against resistance.
 
 rodimpact bearing CASE.toml --resistance 200kN:1000kN:5
     --resistance "300 kN,500 kN" --shaft-share 0.3
 
-The case is a row of a ram that moves, masses such as a helmet, the pile, and a wall
-below its toe, whose contact is the law "smith-toe". Each resistance is shared between
-shaft and toe, as in the case or by --shaft-share; quakes and dampings stay. One blow is
-solved for each, until no soil can yield any more; the ram is caught after its first
-bounce. Where gravity acts, the pile is at rest before. Results are in SI units, also
-where the case has others. [solve] and [output] of the case are ignored here. Exit
-status 3 if a blow did not come to its end; the table says why.
+The bodies of the case are a moving ram, masses such as a helmet, the pile, and a wall.
+The contact of the pile with the wall has the law "smith-toe". Each resistance is
+divided between shaft and toe as in the case, or by --shaft-share. Quakes and dampings
+stay the same. For each resistance one blow is solved, until no soil can yield any more.
+The ram is caught (removed) after its first bounce. If gravity acts, the pile is at rest
+before the blow. All results are in SI units. [solve] and [output] of the case are
+ignored. The exit status is 3 if a blow is not over; the table gives the reason.
 """
 
 import argparse
@@ -40,19 +40,21 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         parser,
         "--shaft-share",
         "dimensionless",
-        "part of the resistance along the shaft; default that of the case",
+        "fraction of the resistance that acts along the shaft; default: as in the case",
     )
     add_number(parser, "--cells", "", f"cells of the longest rod; default {CELLS}")
+    add_number(parser, "--until", "time", "end of each blow; default until it is over")
     add_number(
-        parser, "--until", "time", "duration of a blow; default until it is over"
+        parser, "--workers", "", "number of threads; default: one for each processor"
     )
-    add_number(parser, "--workers", "", "threads; default one a processor")
     form = parser.add_mutually_exclusive_group()
     form.add_argument(
         "--csv", action="store_true", help="print a row for each resistance"
     )
     form.add_argument("--json", action="store_true", help="print JSON")
-    parser.add_argument("--plot", metavar="FILE", help="draw it: .png, .svg or .pdf")
+    parser.add_argument(
+        "--plot", metavar="FILE", help="draw the graph: .png, .svg or .pdf"
+    )
     parser.add_argument("--force", action="store_true", help="replace existing files")
 
 

@@ -1,9 +1,10 @@
-"""Replay the textbook's collisions of elastic rods, in words and figures.
+"""Describe and draw three textbook collisions of elastic rods.
 
 Two identical rods collide, a rod hits a rigid wall, and two rods of different length
 collide. The longest rod is 1 m long, the cross-sectional area is 1 cm^2, and the speed
-is 1 m/s. Then sixty pairs of rods are solved, and their e is compared with l1/l2. The
-figures and a page that shows them, index.html, go to a directory of their own.
+is 1 m/s. The command also solves sixty pairs of rods, and compares the coefficient of
+restitution e with l1/l2, the ratio of their lengths. The figures are written to the
+directory of --output, with a page, index.html, which shows them.
 """
 
 import argparse
@@ -64,7 +65,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         parser,
         "--ratio",
         "dimensionless",
-        "l1/l2 of the rods of different length, up to 1; default 0.4",
+        "ratio l1/l2 of the two different lengths, at most 1; default 0.4",
         default=0.4,
     )
     parser.add_argument(
@@ -77,7 +78,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--dowel",
         action="store_true",
-        help="add a wooden dowel, 3 feet long, that falls on a stone floor",
+        help="add a collision: a wooden dowel, 3 feet long, falls on a stone floor",
     )
     parser.add_argument(
         "--format",
@@ -85,7 +86,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default="png",
         help="format of the figures; default png",
     )
-    parser.add_argument("--dark", action="store_true", help="light lines on dark paper")
+    parser.add_argument(
+        "--dark", action="store_true", help="light lines on a dark background"
+    )
     parser.add_argument(
         "-o",
         "--output",

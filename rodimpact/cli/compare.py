@@ -2,9 +2,10 @@
 
 rodimpact compare CASE.toml RECORD.csv --gauge incident=1:0.5 --start -20us --stop 120us
 
-A gauge bears the name of its channel. The computed strain is shifted in time and
-multiplied by a factor, so that it fits the record best; --shift and --scale fix these
-two numbers. Pulses are timed after that. The exit status is 3 if the run stopped early.
+The name of a gauge is the name of its channel in the record. The computed strain is
+shifted in time and multiplied by a factor, so that it fits the record best. --shift and
+--scale fix the shift and the factor. Then the pulses of both strains are timed. The
+exit status is 3 if the run stopped early.
 """
 
 import argparse
@@ -56,24 +57,32 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         compared,
         "--start",
         "time",
-        "begin of the part of the record that is compared; by default all of it",
+        "start of the compared part of the record; default: start of the record",
     )
-    add_number(compared, "--stop", "time", "end of this part")
+    add_number(
+        compared,
+        "--stop",
+        "time",
+        "end of the compared part; default: end of the record",
+    )
     add_number(
         compared,
         "--shift",
         "time",
-        "fix the shift of the computed strain; positive is later",
+        "fix the time shift of the computed strain; a positive shift is a delay",
     )
     add_number(
-        compared, "--scale", "dimensionless", "fix the factor of the computed strain"
+        compared,
+        "--scale",
+        "dimensionless",
+        "fix the factor by which the computed strain is multiplied",
     )
     add_number(
         compared,
         "--carried",
         "length",
-        "propagate the computed pulse by this distance, with the exact dispersion of a "
-        "round bar; give a gauge that lies close behind the struck end",
+        "propagate the computed pulse by this distance along a round bar, with exact "
+        "dispersion; --gauge is then a position near the struck end",
     )
     add_number(
         compared,

@@ -10,13 +10,13 @@ UNVERIFIED = 4
 INTERRUPTED = 130
 STATUSES = {
     DONE: "done",
-    FAULT: "an output cannot be written, or a fault of rodimpact",
+    FAULT: "an output cannot be written, or rodimpact has a bug",
     MISTAKE: (
-        "a mistake in the call or in the case, or a file that exists, without --force"
+        "the call or the case has a mistake, or a file exists and --force is missing"
     ),
     INCOMPLETE: (
-        "a run stopped early; what is known is printed. Or the verdict has a doubt "
-        "(`rodimpact reduce --strict`)"
+        "a run stopped early, and its results so far are printed; or the verdict of "
+        "`rodimpact reduce --strict` has a doubt"
     ),
     UNVERIFIED: "verification failed",
     INTERRUPTED: "interrupted by Ctrl-C",

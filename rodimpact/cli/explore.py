@@ -1,7 +1,8 @@
-"""Play with a collision in the browser: sliders, space-time diagram, moving rods.
+"""Open a page in the browser: sliders, moving rods, space-time diagram.
 
-The page is written to a temporary file, whose path is printed. It solves collisions
-itself. Without a case it begins with two rods of different length.
+The page solves a collision again whenever a slider moves. Without a case, the page
+begins with two rods of different length. The page is written to a temporary file, and
+the path of this file is printed.
 """
 
 import argparse
@@ -18,10 +19,15 @@ DEFAULT_PRESET = "unequal"
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """A case, and whether a browser opens it."""
     parser.add_argument(
-        "case", metavar="CASE.toml", nargs="?", help="the case file to begin with"
+        "case",
+        metavar="CASE.toml",
+        nargs="?",
+        help="case file with which the page begins",
     )
     parser.add_argument(
-        "--no-browser", action="store_true", help="print the path, and open no browser"
+        "--no-browser",
+        action="store_true",
+        help="print the path, but do not open a browser",
     )
 
 

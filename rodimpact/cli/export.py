@@ -1,7 +1,8 @@
-"""Write a collision as a page to hand out: one file, for any browser, offline.
+"""Write a page with sliders to a file, which any browser shows offline.
 
-The page contains the solver, so its sliders work. It cannot solve everything. For a
-collision with damping, for example, `rodimpact animate` makes a moving picture.
+The page contains a solver for the collision, so its sliders work. This solver cannot
+solve every case: damping, for example, is not possible. For such a case
+`rodimpact animate` makes an animation.
 """
 
 import argparse
@@ -15,7 +16,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """A case, and the page to write."""
     parser.add_argument("case", metavar="CASE.toml", help="the case file")
     parser.add_argument(
-        "-o", "--output", metavar="FILE.html", required=True, help="the page"
+        "-o", "--output", metavar="FILE.html", required=True, help="file of the page"
     )
     parser.add_argument("--force", action="store_true", help="replace an existing file")
 

@@ -1,11 +1,12 @@
-"""Solve a case in symbols: formulas of e, velocities and impulses, and where they hold.
+"""Solve a case in symbols: formulas for e, velocities and impulses.
 
 rodimpact formula CASE.toml --symbols length,area
 
-A symbol stands for a number of the case. It is named by its path, such as
-bodies.0.length, or by the last word of a path: length names all lengths. The symbols
-transit_time and impedance replace the lengths, areas and materials of rods. Stepped
-rods with many symbols take minutes; fewer --symbols make it faster.
+The command also prints the conditions under which the formulas hold. A symbol replaces
+a number of the case. Give the path of the number, such as bodies.0.length, or the last
+word of the path: length stands for all lengths. The symbols transit_time and impedance
+replace the lengths, areas and materials of rods. Stepped rods with many symbols take
+minutes; fewer --symbols take less time.
 """
 
 import argparse
@@ -25,12 +26,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--symbols",
         metavar="A,B,...",
         default="transit_time,impedance",
-        help="numbers that become symbols; default transit_time,impedance",
+        help="numbers to replace by symbols; default transit_time,impedance",
     )
     parser.add_argument(
         "--conditions",
         action="store_true",
-        help="print all conditions under which a formula holds, one a line",
+        help="print all conditions under which a formula holds, one per line",
     )
     parser.add_argument("--latex", action="store_true", help="print LaTeX")
 

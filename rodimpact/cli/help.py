@@ -1,4 +1,4 @@
-"""List the units that a number may have; `rodimpact --help` lists the commands."""
+"""List the units of numbers; `rodimpact --help` lists the commands."""
 
 import argparse
 
@@ -14,7 +14,9 @@ docs/input.md         Every table and key of a case file (a page of the manual).
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The topic."""
-    parser.add_argument("topic", nargs="?", type=_topic, help="units: every known unit")
+    parser.add_argument(
+        "topic", nargs="?", type=_topic, help="units: list all known units"
+    )
 
 
 def _topic(word: str) -> str:

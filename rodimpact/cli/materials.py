@@ -13,7 +13,7 @@ from .exit_status import DONE, CommandResult
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The materials, and the form of the answer."""
     parser.add_argument(
-        "names", nargs="*", metavar="NAME", help="materials to list; default all"
+        "names", nargs="*", metavar="NAME", help="materials to list; default: all"
     )
     parser.add_argument("--json", action="store_true", help="print JSON")
 

@@ -22,13 +22,14 @@ class BridgeNumber(NamedTuple):
 
 BRIDGE_NUMBERS = {
     "gauge_factor": BridgeNumber("dimensionless", "gauge factor of the strain gauges"),
-    "excitation": BridgeNumber("voltage", "voltage that feeds the bridge"),
+    "excitation": BridgeNumber("voltage", "supply voltage of the bridge"),
     "gain": BridgeNumber(
         "dimensionless",
         "gain of the amplifier, negative if it inverts the signal; default 1",
     ),
     "poisson_ratio": BridgeNumber(
-        "dimensionless", "Poisson's ratio of the bar, if gauges lie across it"
+        "dimensionless",
+        "Poisson's ratio of the bar, if gauges measure transverse strain",
     ),
 }
 """Numbers of a bridge, by the names of its arguments."""
@@ -41,10 +42,10 @@ def add_case_and_record(parser: argparse.ArgumentParser) -> None:
         "record",
         metavar="RECORD.csv",
         nargs="+",
-        help="the record: a text table, a workbook or a TDMS file; or several, such as "
-        "one for each channel",
+        help="the record: a text table, a workbook or a TDMS file; or several files, "
+        "such as one for each channel",
     )
-    add_gauge_option(parser, "a channel of the record and the place of its gauge")
+    add_gauge_option(parser, "a channel of the record and the position of its gauge")
     parser.add_argument("--json", action="store_true", help="print JSON")
     parser.add_argument(
         "--save", metavar="FILE", help="draw the result: .png, .svg or .pdf"
@@ -55,13 +56,15 @@ def add_case_and_record(parser: argparse.ArgumentParser) -> None:
 def add_record_options(parser: argparse.ArgumentParser) -> None:
     """Add two groups of options: the form of the record, and its bridge."""
     record = parser.add_argument_group(
-        "form of the record, where the file does not state it"
+        "format of the record, if the file does not state it"
     )
     record.add_argument("--time", metavar="COLUMN", help="name of the column of times")
     record.add_argument(
         "--time-unit", metavar="UNIT", help="unit of the times: s, ms, us or ns"
     )
-    add_number(record, "--rate", "frequency", "sampling rate of a record without times")
+    add_number(
+        record, "--rate", "frequency", "sampling rate, if the record has no times"
+    )
     record.add_argument(
         "--decimal", metavar="SIGN", help="decimal sign of the numbers: . or ,"
     )
@@ -70,13 +73,13 @@ def add_record_options(parser: argparse.ArgumentParser) -> None:
         metavar="[CHANNEL=]UNIT",
         action="append",
         default=[],
-        help="unit of all channels, or of one",
+        help="unit of all channels, or of one channel",
     )
-    bridge = parser.add_argument_group("strain from the volts of a bridge")
+    bridge = parser.add_argument_group("strain from the output voltage of a bridge")
     bridge.add_argument(
         "--bridge",
         choices=tuple(GAUGES_ALONG),
-        help="kind of the bridge; needs --gauge-factor and --excitation",
+        help="type of the bridge; needs --gauge-factor and --excitation",
     )
     for name, number in BRIDGE_NUMBERS.items():
         add_number(bridge, option_of(name), number.dimension, number.meaning)

@@ -1,23 +1,23 @@
-"""Stress and strain of a specimen between two bars, from the record of their gauges.
+"""Compute stress and strain of a specimen between two bars from their gauge records.
 
 rodimpact reduce CASE.toml RECORD.csv --length 3.2mm --diameter 6.34mm
     --gauge incident=0:0.381 --gauge transmitted=1:0.381
 
-The case file contains the two bars as neighbouring rods with their lengths; the case
-that planned the shot can be used. The specimen is between the two rods. Each rod has
-one or two gauges. The name of a gauge is the name of its channel in the record.
+The case file contains the two bars as neighbouring rods with their lengths. The case
+with which the shot was planned can be used. The specimen is between the two rods. Each
+rod has one or two gauges. The name of a gauge is the name of its channel in the record.
 
-Pulses that were cut out of their records are given one by one:
+If the record contains separate pulses, give the channel of each pulse:
     rodimpact reduce CASE.toml PULSES.csv --length 3.2mm --diameter 6.34mm
     --incident i=0:0.381 --reflected r=0:0.381 --transmitted t=1:0.381 --clock own
 
-If the waves overlap at a single gauge a bar, --equal-forces separates them. A striker
-that hits the specimen itself is --direct-impact: the bodies of the case are the striker
-with its velocity and the bar.
+If each bar has a single gauge at which waves overlap, --equal-forces separates the
+waves. For a striker that hits the specimen itself, give --direct-impact. The bodies of
+the case are then the striker, with its velocity, and the bar.
 
-The first lines are a verdict: equilibrium, peak stress, strain rate and energy, then
-each doubt about the shot with its number and a remedy. With --strict the exit status
-is 3 if there is a doubt.
+The first lines of the output are a verdict: equilibrium, peak stress, strain rate and
+energy. The next lines give each doubt about the shot, with a value and a remedy. With
+--strict the exit status is 3 if there is a doubt.
 """
 
 import argparse
@@ -71,34 +71,35 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     specimen.add_argument(
         "--incompressible",
         action="store_true",
-        help="the volume is constant: add columns of true stress and strain",
+        help="assume constant volume, and add columns of true stress and true strain",
     )
     waves = parser.add_argument_group("the waves")
     for name in PULSES:
         waves.add_argument(
             f"--{name}",
             metavar=gauge_options.GAUGE_FORM,
-            help=f"channel and gauge of the {name} pulse, cut out of its record; give "
-            "all three in place of --gauge",
+            help=f"channel of the separate {name} pulse, and position of its gauge; "
+            "give all three pulses in place of --gauge",
         )
     waves.add_argument(
         "--equal-forces",
         action="store_true",
-        help="separate waves that overlap at one gauge a bar, by assuming equal forces "
-        "on both faces and a free far end of the output bar",
+        help="separate waves that overlap if each bar has a single gauge; this assumes "
+        "equal forces on both faces and a free far end of the output bar",
     )
     waves.add_argument(
         "--direct-impact",
         action="store_true",
-        help="the body before the bar with the gauges is a striker, with its velocity; "
-        "it hits the specimen itself",
+        help="a striker hits the specimen itself; in the case the striker is the body "
+        "to the left of the bar with the gauges, and has a velocity",
     )
     waves.add_argument(
         "--clock",
         choices=CLOCKS,
         default="common",
-        help="common (the default) if the cut pulses share one time axis; own if the "
-        "time of each begins anew: then they are aligned at their beginnings",
+        help="common (the default) if the separate pulses share one time axis; own if "
+        "each pulse has its own time axis: then the pulses are aligned at their "
+        "beginnings",
     )
     waves.add_argument(
         "--compression",
@@ -110,9 +111,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         waves,
         "--align-within",
         "time",
-        "shift the reflected and the transmitted wave by up to this time, so that the "
-        "forces on both faces agree in the elastic start; the verdict shows how well "
-        "they agree",
+        "largest time shift of the reflected and the transmitted wave; these waves are "
+        "shifted so that the forces on both faces agree while the specimen is "
+        "elastic, and the verdict shows how well the forces agree",
         default=0.0,
     )
     record_options.add_record_options(parser)

@@ -1,9 +1,9 @@
-"""Collide two rigid bodies on a line, with a given coefficient of restitution e.
+"""Compute a collision of two rigid bodies on a line.
 
 rodimpact rigid --m1 2 --v1 0.5 --m2 10 --v2 0.2 -e 1
 
-The momentum is conserved. e is the velocity at which the bodies part, divided by the
-velocity at which they met.
+The momentum is conserved. The coefficient of restitution e is given: it is the speed of
+separation divided by the speed of approach.
 """
 
 import argparse
@@ -34,13 +34,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
             f"--m{i}",
             required=True,
             metavar="MASS",
-            help=f'mass of the {side} body, "2 kg", or inf for a wall',
+            help=f'mass of the {side} body, such as "2 kg"; inf for a wall',
         )
         add_number(
             parser,
             f"--v{i}",
             "velocity",
-            f'velocity of the {side} body, "0.5 m/s", positive to the right',
+            f'velocity of the {side} body, such as "0.5 m/s"; positive to the right',
             required=True,
         )
     parser.add_argument(
@@ -50,8 +50,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="E",
         action=NumberAction,
         const="dimensionless",
-        help="coefficient of restitution: 0 if the bodies stick together, 1 if no "
-        "energy is lost, below 0 if one body passes through the other",
+        help="coefficient of restitution: 1 if no energy is lost, 0 if the bodies "
+        "stick together, below 0 if one body passes through the other",
     )
     parser.add_argument(
         "--energy-release",

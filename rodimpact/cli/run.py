@@ -1,6 +1,6 @@
 """Solve a case file and print the outcome.
 
-A number may have a unit: --until "2 ms". The names of files are relative to the current
+A number may have a unit: --until "2 ms". File names are relative to the current
 directory. The exit status is 3 if a limit on events or on time stopped the run early.
 """
 
@@ -38,15 +38,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--gauges",
         metavar="FILE.csv",
-        help="write the strains of all gauges over time as a table",
+        help="write a table of the strains of all gauges over time",
     )
     add_number(
         parser,
         "--interval",
         "time",
-        "time between the rows of --gauges; default: a 10 000th of the run",
+        "time between the rows of --gauges; default: 1/10000 of the run",
     )
-    add_gauge_option(parser, "a column of --gauges and a station in --plot")
+    add_gauge_option(parser, "a gauge, for --gauges and --plot")
     add_run_options(parser)
     parser.add_argument("--force", action="store_true", help="replace existing files")
 

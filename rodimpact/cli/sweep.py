@@ -3,16 +3,19 @@
 rodimpact sweep CASE.toml --vary bodies.0.length=0.05:1:200
     --vary "contacts.0.gap=0,1 um,10 um"
 
-A grid is start:stop:count, start:stop:count:log for equal ratios, or a list. A number
-may have a unit. The first --vary is the first axis. PATH=0.5*OTHER makes a number
-follow another one, or a name of your own such as R, and adds no axis. The unit must
-come out right: R in N over 2.5mm is a stiffness.
+A grid is start:stop:count, or start:stop:count:log for equal ratios, or a list. A
+number may have a unit. Each --vary with a grid adds an axis to the family.
+
+--vary PATH=0.5*OTHER adds no axis: this number is 0.5 times another number. OTHER is
+the path of the other number, or a name of your own such as R. Units must agree: if R is
+a force, 0.5*R/2.5mm is a stiffness.
     --vary R=200kN:1000kN:5 --vary "contacts.1.yield_force=0.5*R"
     --vary "contacts.1.stiffness=0.5*R/2.5mm"
 
-Options of this command override those in [solve] of the case. If no end is given, each
-collision runs until it is proved to be over. [output] of the case is ignored here. The
-exit status is 3 if some collisions stopped early; the status of each says why.
+Options of this command override those in [solve] of the case. If neither of them gives
+an end, each collision is solved until it is proved to be over. [output] of the case is
+ignored. The exit status is 3 if some collisions stopped early; the status of each
+collision gives the reason.
 """
 
 import argparse
@@ -41,8 +44,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="PATH=GRID",
         action="append",
         default=[],
-        help=f"a number and its values, {EXAMPLE}; give --vary once for each axis. Or "
-        "a number that follows another one, PATH=FACTOR*OTHER",
+        help=f"path of a number and its values, such as {EXAMPLE}; or "
+        "PATH=FACTOR*OTHER; --vary may be given several times",
     )
     add_number(
         parser, "--workers", "", "number of threads; default: one for each processor"
@@ -50,7 +53,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--checkpoint",
         metavar="DIR",
-        help="store finished parts in this folder, and continue from stored parts",
+        help="store finished parts in this folder, or continue from stored parts",
     )
     parser.add_argument(
         "--also",
@@ -58,10 +61,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         choices=ALSO,
-        help="compute more, which takes longer: dissipated, the energy lost in "
-        "contacts; set, the overlap that yielding contacts keep, such as the set "
-        "of a pile; largest_stress in each rod; displacement of each body at the "
-        "end (--until); accuracy, the stated error; give --also once for each",
+        help="compute a further result, which takes longer: dissipated (energy lost in "
+        "contacts), set (permanent set of yielding contacts, such as the set of a "
+        "pile), largest_stress (in each rod), displacement (of each body, at the "
+        "end --until) or accuracy (the stated error); --also may be given several "
+        "times",
     )
     add_run_options(parser, ("until", "max_events", "dt", "rtol", "cells"))
     form = parser.add_mutually_exclusive_group()
@@ -77,8 +81,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--quantity",
         metavar="NAME",
         default="restitution",
-        help="what --plot shows: restitution (default), duration.0 of contact 0, "
-        "velocity_after.1 of body 1, or another column of --csv",
+        help="quantity that --plot shows: restitution (default), or another column of "
+        "--csv, such as duration.0 of contact 0 or velocity_after.1 of body 1",
     )
     parser.add_argument("--force", action="store_true", help="replace existing files")
 

@@ -1,4 +1,4 @@
-"""Compare each method with a closed form for e. The exit status is 4 if one is wrong.
+"""Compare e of each method with a closed form. The exit status is 4 if a method fails.
 
 The validation pages of the manual, docs/validation.md, compare hundreds of numbers with
 closed forms, published test problems and measured records.
