@@ -935,7 +935,7 @@ class RigidMass(FrozenDataclass, kind="mass"):
 
 
 class Wall(FrozenDataclass, kind="wall"):
-    """A body that is immovable, or keeps its velocity in every collision.
+    """An immovable body, or a body whose velocity no collision changes.
 
     Parameters
     ----------

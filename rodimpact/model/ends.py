@@ -24,11 +24,11 @@ class Free(Frozen, kind="free"):
 
 
 class Fixed(Frozen, kind="fixed"):
-    """A fixed end: the end of a rod is held at rest, in tension too.
+    """A fixed end: the end of a rod is held at rest, also under tension.
 
     Examples
     --------
-    A rod whose right end is fixed swings for ever:
+    A rod with a fixed right end vibrates forever:
 
     >>> import rodimpact as ri
     >>> rod = ri.Rod(1.0, area=1e-4, material=ri.materials.steel, velocity=1.0)
@@ -39,10 +39,10 @@ class Fixed(Frozen, kind="fixed"):
 
 
 class Absorbing(Frozen, kind="absorbing"):
-    """An absorbing end: the rod goes on for ever, so waves leave and none returns.
+    """An absorbing end: waves leave and none returns, as in an infinite rod.
 
     The wave that comes in from outside keeps the value that it has there at t = 0.
-    Under gravity the endless rod outside falls, too: nothing holds it.
+    Under gravity the infinite rod outside falls, too, because nothing holds it.
 
     Examples
     --------
@@ -95,7 +95,7 @@ class Pushed(_Driven, kind="pushed"):
 
 
 class Moved(_Driven, kind="moved"):
-    """A prescribed velocity or position of the end of a rod, whatever force that takes.
+    """A prescribed velocity or position of the end of a rod, for any force.
 
     The force may be a tension.
 

@@ -170,11 +170,11 @@ class Rigid(_Law, law="rigid"):
 
 
 class Bonded(_Law, law="bonded"):
-    """Two neighbours joined for good: they share velocity and force, in tension too.
+    """A permanent bond of two neighbours, which share velocity and force.
 
     Examples
     --------
-    Two pieces joined for good are one rod:
+    Two bonded pieces behave as one rod:
 
     >>> import rodimpact as ri
     >>> half = ri.Rod(0.5, area=1e-4, material=ri.materials.steel, velocity=1.0)
@@ -188,7 +188,7 @@ class Bonded(_Law, law="bonded"):
 
 
 class Joint(_Linear, law="joint"):
-    """Two neighbours joined for good by a spring and a dashpot: glue, a bolt.
+    """A permanent joint by a spring and a dashpot, such as glue or a bolt.
 
     The spring and the dashpot stand side by side. The joint pulls as well as it pushes:
     F = -(k s + c s'), with the stretch s and its rate s'. The stretch, which is
@@ -836,7 +836,7 @@ class SmithToe(Plastic, law="smith-toe"):
 
 
 class Cushion(Plastic, law="cushion"):
-    """A cushion that gives back a part of its energy: a coefficient of restitution.
+    """A cushion with a coefficient of restitution: it returns a part of its energy.
 
     F grows along the stiffness k on loading, and falls along k/e^2 on unloading, so
     that a body that falls on a cushion on a wall rebounds with the fraction e of its
