@@ -5,7 +5,7 @@ rodimpact bearing CASE.toml --resistance 200kN:1000kN:5
 
 The bodies of the case are a moving ram, masses such as a helmet, the pile, and a wall.
 The contact of the pile with the wall has the law "smith-toe". Each resistance is
-divided between shaft and toe as in the case, or by --shaft-share. Quakes and dampings
+divided between shaft and toe as in the case, or by --shaft-share. Quakes and damping
 stay the same. For each resistance one blow is solved, until no soil can yield any more.
 The ram is caught (removed) after its first bounce. If gravity acts, the pile is at rest
 before the blow. All results are in SI units. [solve] and [output] of the case are
@@ -42,7 +42,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "dimensionless",
         "fraction of the resistance that acts along the shaft; default: as in the case",
     )
-    add_number(parser, "--cells", "", f"cells of the longest rod; default {CELLS}")
+    add_number(
+        parser, "--cells", "", f"number of cells of the longest rod; default {CELLS}"
+    )
     add_number(parser, "--until", "time", "end of each blow; default until it is over")
     add_number(
         parser, "--workers", "", "number of threads; default: one for each processor"

@@ -84,8 +84,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     waves.add_argument(
         "--equal-forces",
         action="store_true",
-        help="separate waves that overlap if each bar has a single gauge; this assumes "
-        "equal forces on both faces and a free far end of the output bar",
+        help="separate overlapping waves when each bar has a single gauge; this "
+        "assumes equal forces on both faces and a free far end of the output bar",
     )
     waves.add_argument(
         "--direct-impact",

@@ -12,10 +12,10 @@ a force, 0.5*R/2.5mm is a stiffness.
     --vary R=200kN:1000kN:5 --vary "contacts.1.yield_force=0.5*R"
     --vary "contacts.1.stiffness=0.5*R/2.5mm"
 
-Options of this command override those in [solve] of the case. If neither of them gives
-an end, each collision is solved until it is proved to be over. [output] of the case is
-ignored. The exit status is 3 if some collisions stopped early; the status of each
-collision gives the reason.
+Options of this command override those in [solve] of the case. If neither the command
+nor the case gives an end, each collision is solved until it is proved to be over.
+[output] of the case is ignored. The exit status is 3 if some collisions stopped early;
+the status of each collision gives the reason.
 """
 
 import argparse
