@@ -226,7 +226,8 @@ class BoundaryEffects:
             if masses[side] == math.inf:  # a wall
                 self.wall_work += impulse * velocities[side]
             elif not isinstance(end, Free | Fixed):
-                # `Node.work` is from left to right: into the row at its left end
+                # `Node.work` is energy from left to right: it enters the row at the
+                # left end (+), and leaves it at the right end (-).
                 work = (
                     sign * finished.nodes[side].work * clock.tick
                     + clock.frame * impulse
