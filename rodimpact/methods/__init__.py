@@ -1,1 +1,1 @@
-"""Methods: each takes a `Row`, hands back a `Run`, and knows nothing of solutions."""
+"""Methods: each takes a `Row`, and returns a `Run`, from which a `Solution` is made."""

@@ -1,4 +1,4 @@
-"""Physics that not every method has, and its places in a system: path and name.
+"""Physics that not every method has, and the entries of a system that need it.
 
 It also finds systems on which forces act from outside all the time: no method can prove
 their collisions final.

@@ -158,11 +158,11 @@ def fill_bonds(
     """Return the forces of all contacts, including bonds between rigid bodies.
 
     By Newton's law, the force on the right of a rigid body is the force on its left
-    minus m dv/dt. So an unknown force follows from the force on its left, and that of
-    the first contact from `pushed`. But if the first body is a wall, the force on its
-    left is unknown: then the unknown forces before the first known force follow from
-    the right. If no force is known, they follow from `pushed` even so. The argument
-    `forces` is not changed.
+    minus m dv/dt. So an unknown force follows from the force of the contact on its
+    left, and an unknown force of the first contact from `pushed`. But if the first body
+    is a wall, the force on its left is unknown: then the unknown forces before the
+    first known force follow from their right neighbours. If no force is known, all
+    follow from `pushed` even so. The argument `forces` is not changed.
 
     Parameters
     ----------

@@ -111,8 +111,8 @@ class LargeFile(MemoryError):
 def check_file(path: object, size: float, remedy: str) -> None:
     """Raise LargeFile if a file needs more than half of this machine's memory.
 
-    `path` is that of the file, `size` the memory that it needs at most, in bytes, and
-    `remedy` advice for the message.
+    `path` is the path of the file, `size` an upper bound of the memory that it needs,
+    in bytes, and `remedy` advice for the message.
     """
     if size > installed() / 2:
         taken = f"takes up to {size / 1e9:.3g} GB of memory, more than half of the"

@@ -253,7 +253,7 @@ class Signals(NamedTuple):
 
 
 class Stopped(Exception):
-    """A run was told to stop."""
+    """A run was stopped at the request of its caller."""
 
 
 class Coarser(NamedTuple):

@@ -183,9 +183,9 @@ class Pieces:
     def piece(self, ticks: ArrayLike, side: Side = "right") -> Ints:
         """Index of the piece in which each of `ticks` lies, an array of their shape.
 
-        It is 0 before the first piece, and that of the last piece after all pieces. At
-        the start of a piece it is that of this piece ("right") or of the earlier one
-        ("left").
+        Ticks before the first piece count as in the first piece, ticks after the last
+        piece as in the last one. The start of a piece counts as in this piece ("right")
+        or as in the previous piece ("left").
         """
         return np.maximum(self.ticks.searchsorted(ticks, side) - 1, 0)
 

@@ -156,8 +156,8 @@ def proof_sentence(met: bool, t_final: float) -> str:
 def rounding(error: float, path: str) -> str:
     """Sentence on the rounding of transit times by the clock; "" up to `ROUNDED`.
 
-    `error` is the largest relative change of a transit time, and `path` that of its
-    segment. The sentence begins with a space.
+    `error` is the largest relative change of a transit time, and `path` the path of its
+    segment in the model. The sentence begins with a space.
     """
     if error <= ROUNDED:
         return ""

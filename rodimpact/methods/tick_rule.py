@@ -154,7 +154,7 @@ def sort_durations(durations: Sequence[Duration], drive_count: int) -> None:
 
 
 def assign_ticks(durations: Sequence[Duration], bits: int, drive_count: int = 0) -> int:
-    """Set `ticks` of each duration, and return those of the longest, about 2^bits.
+    """Set `ticks` of each duration; return the ticks of the longest, about 2^bits.
 
     The longest duration, times of drives excepted, defines the tick: it has the
     returned number of ticks. Durations in simple ratios form a class, whose members are

@@ -2,8 +2,8 @@
 
 Waves are exact to round-off. Two approximations are coarser, and the error of each is
 stated. The clock rounds transit times that have no common measure. And a force that
-decays without end counts as zero from some time on, which shortens durations and moves
-times.
+never stops decaying counts as zero from some time on, which shortens durations and
+moves times.
 """
 
 import math

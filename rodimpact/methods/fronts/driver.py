@@ -127,8 +127,8 @@ def solve_many(
         block = slice(first, min(first + size, count))
         length = block.stop - first
         begin = processor_time()
-        # Time in plain Python of the members after this block, s, as far as it is
-        # certain
+        # Time in plain Python of the members after this block, s; 0 as long as it is
+        # only estimated
         ahead = 0.0
         if is_measured:
             members_after = count - block.stop + later_members

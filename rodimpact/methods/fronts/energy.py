@@ -14,7 +14,7 @@ from .records import NONE, Amplitude, Log, Segment, State
 def update_motion(state: State) -> None:
     """Set the present velocities of groups, and momenta and energies of segments.
 
-    The energies are those of vibration about the velocities of the groups. Before the
+    The energies are vibration energies about the velocities of the groups. Before the
     first event they are set only if `run_past_proof` of the run is 1; otherwise they
     have no meaning yet.
     """

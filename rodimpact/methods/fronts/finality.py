@@ -94,7 +94,7 @@ def ticks_until_apart(state: State, k: int, now: int) -> float:
     least_opening = least_opening_velocity(left, right, tolerance)
     if proof.undecided(opening, least_opening, tolerance):
         # Velocities alone prove nothing. `separation_time` uses deviations and their
-        # bounds in this case only; in other cases they may be those of an earlier call.
+        # bounds only in this case; in other cases they may be out of date.
         bound_deviations(state, k, now)
     node = state.nodes[k]
     gap = node.gap + node.gap_rate * (now - node.solved_tick)

@@ -45,7 +45,7 @@ ROUND_OFF_WINDOW_BITS = 40
 If a gap closes so shortly before an arrival, the closing is moved to the arrival.
 Otherwise the round-off between both times makes waves one tick wide, which multiply.
 """
-MIN_TRANSIT_WINDOWS = 4  # a transit must exceed so many round-off windows
+MIN_TRANSIT_WINDOWS = 4  # a transit must exceed this number of round-off windows
 
 
 def frame_index(n: int) -> int:
@@ -67,12 +67,12 @@ def gap_index(n: int, contact: int) -> int:
 
 
 def segment_outside(n: int, side: int) -> int:
-    """Number of the segment that stands for what lies outside an end of n segments."""
+    """Number of the segment outside the left (0) or right (1) end of n segments."""
     return side * (n + 1)
 
 
 def segment_at_end(n: int, side: int) -> int:
-    """Number of the first or the last of n segments."""
+    """Number of the segment at the left (0) or right (1) end of n segments."""
     return 1 + side * (n - 1)
 
 
@@ -118,8 +118,8 @@ def choose_clock(state: State, values: Values) -> None:
     # clock it is below `MIN_TRANSIT_BITS`, and `find_clock_fault` returns LONG.
     bits = rule.clock_bits(run.horizon / run.longest_transit_time)
     set_drive_times(run, values, durations, segments)
-    # Entries between those of the segments and of the drives are unused: other members
-    # of the family have more jumps. This time is a duration already.
+    # The entries between segments and drives are unused: other members of the family
+    # have more jumps. They get a time that is a duration already.
     for i in range(segment_durations, len(durations) - run.drive_jump_count):
         durations[i].time = run.longest_transit_time
     longest_bits = max(bits, rule.MIN_TRANSIT_BITS)
@@ -230,7 +230,7 @@ def default_horizon(state: State, values: Values) -> float:
 def drive_jumps(outside: Segment) -> int:
     """Number of jumps of the drive of an end; 0 for a wall or an end without a drive.
 
-    `outside` is the segment that stands for what lies outside this end.
+    `outside` is the segment outside this end.
     """
     if outside.boundary_kind == BoundaryKind.STEADY:
         return 0

@@ -5,8 +5,8 @@ A row of n segments::
     outside |  segment 1  |  segment 2  | ... |  segment n  | outside
           node 0        node 1        node 2             node n
 
-Node k joins the segments k and k + 1. The segments 0 and n + 1 stand for what lies
-outside: nothing, a wall (a segment of mobility 0), or a semi-infinite bar. Line 2s
+Node k joins the segments k and k + 1. The segments 0 and n + 1 stand for the outside of
+the row: nothing, a wall (a segment of mobility 0), or a semi-infinite bar. Line 2s
 carries the waves that travel to the right through segment s, line 2s + 1 those that
 travel to the left. So at node k the lines 2k (through segment k) and 2k + 3 (through
 segment k + 1) arrive, and the lines 2k + 1 and 2k + 2 leave. From outside the lines 0
@@ -44,7 +44,7 @@ Int8: TypeAlias = Annotated[int, "i1"]
 
 
 class Segment:
-    """A uniform piece of a rod, or what lies outside an end of the row."""
+    """A uniform piece of a rod; the first and the last one stand for the outside."""
 
     # Initial state of the body that begins with this segment. A segment outside the row
     # holds a wall, or the values over time of the drive of its end.

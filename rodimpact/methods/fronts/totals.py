@@ -17,9 +17,9 @@ from .run import FrontRun
 def tally_of(node: Node, tick_duration: float) -> ContactTally:
     """Totals of the contact at a node, in SI units.
 
-    `tick_duration` is in s. The times at which the first force began and the last force
-    ended are nan if there was no force; that of the end is nan, too, if the first force
-    still acts. The web page has this function as JavaScript.
+    `tick_duration` is in s. The time at which the first force began is nan if there was
+    no force. The time at which the last force ended is nan if no force has ended. The
+    web page has this function as JavaScript.
     """
     first = math.nan
     if node.first_force_tick != NONE:
