@@ -74,11 +74,11 @@ def solve_link(link: Link, c: float) -> tuple[float, float, float]:
         elastic_limit = link.yield_force / link.stiffness
         force_at_limit, _ = contact_laws.mean_force(link, x0, elastic_limit)
         residual_at_limit = elastic_limit - free_x1 + y * force_at_limit
-        yields = residual_at_limit < 0
+        yields = residual_at_limit < 0  # then the root is beyond the limit
         if yields:
             x = free_x1
         else:
-            x = min(elastic_limit, free_x1)
+            x = min(elastic_limit, free_x1)  # both are upper bounds of x1
     else:
         x = min(link.overlap, free_x1)
     # Newton's method
@@ -129,7 +129,7 @@ def solve_joint(link: Link, c: float) -> tuple[float, float, float]:
     slope = k / 2 + link.damping
     divisor = 1 + y * slope
     F = (k * x0 + slope * c) / divisor
-    x1 = x0 + (c - y * k * x0) / divisor
+    x1 = x0 + (c - y * k * x0) / divisor  # this is x0 + c - y F
     return F, x1, slope
 
 
@@ -211,7 +211,7 @@ def take_newton_step(links: Any, first: int, last: int) -> None:
     are not changed.
     """
     # The equation of link i is: middle F = right + s (closing by the forces of the
-    # links before and after it).
+    # links before and after it). The two loops eliminate and substitute back.
     for i in range(first, last + 1):
         link = links[i]
         # Indices wrap around, as in `closing_without_own_force`.
