@@ -483,7 +483,9 @@ class GridRun:
             sign = -1
         v = self.velocity(node)
         other_v = self.velocity(node - sign)  # at the other node of the cell
-        stretch_rate = sign * (v - other_v)  # at the ends of steps, m/s
+        # Velocity of the right node minus that of the left node, at the ends of steps,
+        # m/s
+        stretch_rate = sign * (v - other_v)
         # The tension has three parts: an elastic one, a viscous one by the velocities
         # before the step, and one by their change in the step, from lateral inertia and
         # half of the viscosity.
@@ -528,7 +530,7 @@ class GridRun:
         rod whose first node is `node`. It is 0 if this rod has no soil.
         """
         for shaft, body in enumerate(shaft_bodies(self.row)):
-            first, last = self.row.spans[body]
+            first, last = self.row.spans[body]  # segments of the rod
             if sign > 0 and self.mesh.last[last] == node:
                 return self.recorded_soil(shaft, "last_node_force")
             if sign < 0 and self.mesh.first[first] == node:

@@ -144,7 +144,7 @@ def _jumps_at_ends(row: Row) -> bool:
 
 
 def _jumps_at_steps(row: Row) -> bool:
-    """Whether a rod of several segments has a strain at t = 0.
+    """Whether any rod of several segments has a strain at t = 0.
 
     The stiffness jumps between segments, and so does the force of a strain. Rods of one
     segment are not checked.

@@ -104,9 +104,9 @@ def _drag_of_rod(mesh: Mesh, shaft_index: int, body: int) -> Array:
 def _records_at(mesh: Mesh, body: int, shaft_index: int, nodes: Array) -> Array:
     """Records `records.SOIL` for some nodes of a rod, without numbers of soil, [node].
 
-    `nodes` are counted from the left end of the rod. The fields `node` (in the mesh),
-    `shaft` and `end_of_rod` are set, which is -1 at the left and 1 at the right end of
-    the rod; all other fields are 0.
+    `nodes` are counted from the left end of the rod. Three fields are set: `node`, its
+    number in the mesh, `shaft`, and `end_of_rod`, which is -1 at the left end of the
+    rod, 1 at its right end, and 0 elsewhere. All other fields are 0.
     """
     last_node = _nodes_of_half_cells(mesh, body)[-1]
     is_first_node = np.where(nodes == 0, 1, 0)

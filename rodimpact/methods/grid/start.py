@@ -217,10 +217,10 @@ def _add_forces_at_ends(mesh: Mesh, step: float, grid: Grid, force: Array) -> No
 def _add_link_forces(grid: Grid, force: Array) -> None:
     """Enter the forces of links at t = 0 in `force`, N [node].
 
-    A joint pulls by its stretch, and a compliant contact with an overlap pushes. If the
-    forces on the two nodes of a rigid contact without a gap press them together, both
-    become 0: the contact carries them in the first half kick, and its own force follows
-    from the first step.
+    A joint pulls by its stretch, without the force of its dashpot. A compliant contact
+    with an overlap pushes. If the forces on the two nodes of a rigid contact without a
+    gap press them together, both become 0: the contact carries them in the first half
+    kick, and its own force follows from the first step.
     """
     for link in grid.links:
         left = link["left_node"]
@@ -342,7 +342,7 @@ def _late_overlaps(mesh: Mesh, step: float, grid: Grid, kick: Array) -> Array:
     is_late &= closing > 2 * parting
     cell_retardation = quotient(mesh.viscous, mesh.stiffness)  # eta/E, s [cell]
     # The larger value of the two cells beside each link. Cell i is on the left of node
-    # i, so that on the right of the link has the index right + 1.
+    # i, so the cell on the right of the link has the index right + 1.
     retardation = cell_retardation[[left, right + 1]].max(axis=0)
     # 0 without viscosity, nearly 1 with much viscosity
     share = retardation / (retardation + LITTLE_RETARDATION * step)
