@@ -291,7 +291,8 @@ class Mesh:
     def _lay_out(self, driven: list[int]) -> int:
         """Assign nodes and cells to the row; return the index of the last node.
 
-        The row is walked from left to right. `cells` is set, and `first`, `last`,
+        The row is walked from left to right: bonded neighbours share a node, and each
+        contact or joint begins a new one. `cells` is set, and `first`, `last`,
         `node_of_mass`, `touching` and `bonds`, which are empty before, are filled.
         `driven` are the sides (0, 1) whose velocity is prescribed: a bond there is
         recorded, as are the bonds between bodies. InvalidModel is raised if cells are
@@ -421,12 +422,12 @@ def quotient(a: Any, b: Array) -> Array:
 
 
 def check_polar_moments(row: Row) -> None:
-    """Raise InvalidModel if squares of radial inertia or stiffness may overflow.
+    """Raise InvalidModel if squares of radial inertia or stiffness overflow or vanish.
 
-    They may also vanish. The radial inertia is rho I_p L, kg m^2, and the stiffness is
-    E I_p/L, N m, at the smallest and largest area of each segment with lateral inertia.
-    Those of cells are up to `CELL_ROOM` times larger or smaller. The error names the
-    first segment that fails.
+    The radial inertia is rho I_p L, kg m^2, and the stiffness is E I_p/L, N m, at the
+    smallest and largest area of each segment with lateral inertia. Those of cells may
+    be `CELL_ROOM` times larger or smaller, which must not overflow or vanish either.
+    The error names the first segment that fails.
     """
     # Path 0 is empty: segments are counted from 1.
     for path, segment in zip(row.paths[1:], row.segments, strict=True):
