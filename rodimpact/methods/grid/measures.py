@@ -83,9 +83,9 @@ def _one_sided_parabola(
 
     F is the mean of the top step, N. Each of `sides` has the means of the next step on
     this side and of the step after that. t is counted from the top step towards this
-    side. A parabola is accepted if it is smooth and its curvature is less than
-    `max_curvature`. Of two accepted parabolas the less curved one is returned; without
-    any, None.
+    side. A parabola is accepted if its curvature is less than `max_curvature` and it is
+    smooth: nearly straight, or constant to round-off. If both are accepted, the less
+    curved one is returned; if none is, None.
     """
     chosen = None
     for second, third in sides:

@@ -72,13 +72,14 @@ def make_run(run: GridRun, until: float | None) -> Run:
         proof = proof_sentence(has_touched, t_final)
     events = run.steps * len(run.row.links)  # as `max_events` counts them
     end = run.steps * STEP_TICKS  # ticks
-    if until and not run.steps:  # `until` is less than half a step
+    if until and not run.steps:  # the run ends before its first step
         end = math.ceil(until / run.clock.tick)
     # Whether waves jump and stay steep; needed for the coarser runs only
     is_steep = bool(run.coarser) and order_of(run.row) < 1
     coarser = []
-    for share, other in run.coarser:
-        coarser.append(Coarser(share, is_steep, partial(make_run, other, until)))
+    for share, coarser_run in run.coarser:
+        make_coarser = partial(make_run, coarser_run, until)  # made when it is needed
+        coarser.append(Coarser(share, is_steep, make_coarser))
     return Run(
         method="finite-difference",
         until=until,
@@ -123,7 +124,7 @@ def _status(run: GridRun, proof: str, t_end: float, events: int) -> str:
     `proof` is the sentence of its proof of finality, "" without a proof; `events` is
     the number of steps times links. Warnings of soil and of large strains follow.
     """
-    cap = f"{events} steps times ends"
+    cap = f"{events} steps times ends"  # stated if the cap on events ended the run
     end = format_si(t_end, "s")
     why = describe_end(run.stopped_by, proof, end, cap, run.row.system)
     status = with_advice(why)
