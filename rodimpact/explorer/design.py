@@ -12,12 +12,17 @@ from ..storage.casefile import Case, GaugePlace, format_case
 
 
 def _library() -> dict[str, dict[str, Any]]:
-    """Tables of the materials of this package, by name, without empty entries."""
+    """Tables of the materials of this package, by name.
+
+    Tables lack the name of the material and entries that are None.
+    """
     library = {}
     for name, material in materials.TABLE.items():
         table = material.to_dict()
         del table["name"]
-        library[name] = {key: v for key, v in table.items() if v is not None}
+        library[name] = {
+            key: value for key, value in table.items() if value is not None
+        }
     return library
 
 
@@ -26,9 +31,10 @@ LIBRARY = _library()
 
 
 def with_gauges(case: Case) -> Case:
-    """A case with gauges: without any it gets one in the middle of its last rod.
+    """The case itself if it has gauges, else a copy with one gauge.
 
-    InvalidModel is raised for a case without rods.
+    The gauge is in the middle of the last rod. InvalidModel is raised for a case
+    without rods, also if it has gauges.
     """
     rods = [i for i, body in enumerate(case.system.bodies) if isinstance(body, Rod)]
     if not rods:
@@ -46,10 +52,10 @@ def with_gauges(case: Case) -> Case:
 
 
 def tables_of(case: Case) -> dict[str, Any]:
-    """Tables of a case file, so that mistakes on the page have the path of their field.
+    """Tables of the case file that `format_case` writes, split in two.
 
     Output options and the materials of the library are left out; diameters become
-    areas.
+    areas. Mistakes on the page have the paths of fields in these tables.
 
     Returns
     -------

@@ -34,7 +34,7 @@ DEFAULT_TITLE = "Elastic rods collide"
 
 
 def check_page_name(path: Any) -> None:
-    """Raise InvalidModel unless the name of a file is that of a page."""
+    """Raise InvalidModel unless the name of a file ends in ``.html`` or ``.htm``."""
     remedy = "a figure is drawn by plot.save(plot.overview(solution), path)"
     check_ending(path, (".html", ".htm"), remedy)
 
@@ -131,7 +131,10 @@ class Page:
         return str(path)
 
     def _repr_mimebundle_(self, **options: Any) -> Any:
-        """Widget for a notebook if anywidget is installed, else the frame alone."""
+        """What a notebook shows, by MIME type: a widget, or the frame alone.
+
+        The widget needs anywidget. It is made once, and also gives back its case.
+        """
         if self._widget is None:
             try:
                 from .notebook import PageWidget
@@ -141,7 +144,7 @@ class Page:
         return self._widget._repr_mimebundle_(**options)
 
     def _repr_html_(self) -> str:
-        """A frame for a notebook, with the page in it."""
+        """HTML of a frame for a notebook, with the whole page as its content."""
         page = html.escape(self.html)
         return (
             f'<iframe srcdoc="{page}" style="{FRAME_STYLE}" title="{DEFAULT_TITLE}">'
@@ -204,7 +207,11 @@ def explore(case: System | Case) -> Page:
 
 
 def preset_tables() -> list[dict[str, Any]]:
-    """Presets as the page takes them: key, title, remark and `tables_of` the case."""
+    """Presets as dictionaries for the page, in the order of `presets`.
+
+    Each has the ``key``, ``title`` and ``remark`` of the preset, and as ``design`` the
+    `tables_of` its case.
+    """
     tables = []
     for preset in presets():
         tables.append(
@@ -219,11 +226,17 @@ def preset_tables() -> list[dict[str, Any]]:
 
 
 def check_solvable(case: Case, tables: dict[str, Any]) -> None:
-    """Raise InvalidModel with the path of what the page cannot show.
+    """Raise InvalidModel if the page cannot solve a case, with the path of the cause.
 
-    This is an option or physics that it lacks, or a collision without a solution there,
-    or one whose run would hit a limit of the page. To find out, a collision by fronts
-    is solved by the code of the page.
+    These are physics that the page lacks, wrong options, and, if fronts solve the case,
+    a collision that has no solution on the page, or whose run hits a limit of the page.
+    To find the latter, the collision is solved by the code of the page, in Python.
+
+    Parameters
+    ----------
+    case : Case
+    tables : dict
+        Tables of the case, from `tables_of`.
     """
     # Physics comes first: an option that it needs would be given in vain.
     path, physics = lacking(tables)
@@ -239,22 +252,24 @@ def check_solvable(case: Case, tables: dict[str, Any]) -> None:
         path, message = solution["problem"]
         raise invalid_argument(path, f"{message} {solution['advice']}".strip())
     # The solution does not tell which limit its run hit, so the page's run is repeated.
-    collision = new_run(lay_out_family(build_row(system)))
-    run = run_to_end(request, run_past_proof=True, run=collision).record
+    run = new_run(lay_out_family(build_row(system)))
+    run_to_end(request, run_past_proof=True, run=run)
+    stop_reason = run.record.stop_reason
+    # Otherwise the user's own cap stops the run, which is no fault.
     is_cap_of_page = request.max_events < case.solve.get("max_events", MAX_EVENTS)
     limit = ""
-    if run.stop_reason == Stop.CLOCK:
+    if stop_reason == Stop.CLOCK:
         limit = "the clock of the page ends before the collision"
-    elif run.stop_reason == Stop.CAP and is_cap_of_page:
+    elif stop_reason == Stop.CAP and is_cap_of_page:
         limit = f"the page follows {request.max_events} arrivals of waves at most"
     if limit:
         raise invalid_argument("solve", f"{limit}; give an earlier until=, or {REMEDY}")
 
 
 def check_options(case: Case) -> None:
-    """Raise InvalidModel with each option that no method takes for this system.
+    """Raise InvalidModel for the wrong options of a case, and for a wrong method.
 
-    Paths of options begin with ``solve.``, as in a case file.
+    In the error, paths of options begin with ``solve.``, as in a case file.
     """
     try:
         Options(**case.solve).method_for(case.system)

@@ -28,7 +28,7 @@ class RunSummary(NamedTuple):
 
 
 class GaugeLocation(NamedTuple):
-    """Place and name of a gauge."""
+    """Position and name of a gauge."""
 
     segment: int  # index of its segment in the rod
     x: float  # distance from the left end of that segment, m
@@ -41,14 +41,16 @@ class GaugeLocation(NamedTuple):
 def facts_of_outcome(
     system: Any, before: Motion, after: Motion, summary: RunSummary
 ) -> Any:
-    """The outcome of a collision with e, or with the reason why e is None.
+    """The outcome of a collision with e, or with the reason why there is no e.
 
     Returns
     -------
     dict
-        Velocities ``before`` and ``after`` by body, the entries of the `summary`,
-        energies, ``unilateral``: contacts that can open, ``restitution`` with its
-        ``error``, and ``why`` there is none.
+        Velocities ``before`` and ``after`` of the bodies, m/s; the entries of the
+        `summary`; ``energy_before``, kinetic energy and strain energy, and
+        ``vibration_after``, J; ``unilateral``, the indices of the contacts that can
+        open; ``restitution`` e, or None, with its stated ``error``; and ``why`` there
+        is no e, "" if there is.
     """
     can_open = unilateral(system)
     why = no_restitution(
@@ -67,8 +69,11 @@ def facts_of_outcome(
         pair_before = before.velocities[k : k + 2]
         pair_after = after.velocities[k : k + 2]
         closing = pair_before[0] - pair_before[1]
-        # Adding 0 makes 0 of -0.
-        restitution = effective_restitution(True, 1, pair_before, pair_after) + 0.0
+        # There is an e, so that the collision is final and the contact has pressed.
+        is_final = True
+        episodes = 1
+        e = effective_restitution(is_final, episodes, pair_before, pair_after)
+        restitution = e + 0.0  # adding 0 makes 0 of -0
         error = 2 * summary.errors["velocity"] / closing
     return {
         "before": before.velocities,
@@ -87,15 +92,16 @@ def facts_of_outcome(
 
 
 def errors_of(relative: list[float], speed: float, contacts: list[Any]) -> Any:
-    """Stated error of each kind of number by its name, in its unit.
+    """Stated errors of velocities, impulses, peak forces and durations, in SI units.
 
-    It is the relative error times the scale of the velocities, or times the largest
+    They are by name: ``velocity``, ``impulse``, ``peak_force`` and ``duration``. Each
+    is the relative error times the scale of the velocities, or times the largest
     impulse, peak force or duration of all contacts.
 
     Parameters
     ----------
     relative : list of float
-        Relative errors of velocities, impulses, peak forces and durations.
+        Relative errors of these four numbers, in this order; further ones are ignored.
     speed : float
         Scale of the velocities, m/s.
     contacts : list of ContactTally
@@ -119,10 +125,11 @@ def errors_of(relative: list[float], speed: float, contacts: list[Any]) -> Any:
 
 
 def facts_of_body(body: Any, number: str, path: Any) -> Any:
-    """A body with its segments and what follows from them.
+    """Facts of a body: names, mass, segments, and quantities that follow from them.
 
-    Its ``approach`` is the velocity with which all of it comes; None for a body that is
-    strained, or has several velocities.
+    The mass of a wall counts as 0. A wall and a mass have no segments. ``approach`` is
+    the initial velocity of the body, m/s, or None if it is strained or has several
+    velocities. ``derived`` has the `derived_quantities` of each segment.
 
     Parameters
     ----------
@@ -162,8 +169,8 @@ def facts_of_body(body: Any, number: str, path: Any) -> Any:
 
 
 def facts_of_segment(segment: Any) -> Any:
-    """Numbers of a segment by name; largest area and impedance of a tapered one."""
-    area = extremes(segment.area)[1]
+    """Numbers of a segment by name, SI; the largest area and impedance if it tapers."""
+    area = extremes(segment.area)[1]  # the largest
     density = segment.material.density
     return {
         "length": segment.length,
@@ -176,7 +183,10 @@ def facts_of_segment(segment: Any) -> Any:
 
 
 def derived_quantities(segment: Any) -> Any:
-    """Name and text of bar speed, impedance, transit time and mass of a segment."""
+    """Pairs of name and text: bar speed, impedance, transit time, mass of a segment.
+
+    The impedance of a tapered segment is a range.
+    """
     impedance_by_area = segment.material.density * segment.wave_speed  # Z/A = rho c
     smallest, largest = extremes(segment.area)
     impedance = f"{smallest * impedance_by_area:.4g}"
@@ -197,7 +207,8 @@ def derived_quantities(segment: Any) -> Any:
 def initial_offsets(system: Any, tiling: Any) -> list[float]:
     """Initial offset of the left end of each body from its material coordinate, m.
 
-    It comes from the gaps and the initial strain on its left.
+    It is the sum of the gaps to its left and of the `initial_elongation` of the bodies
+    to its left; that of the first body is 0.
     """
     offset = 0.0
     offsets = []
@@ -210,9 +221,10 @@ def initial_offsets(system: Any, tiling: Any) -> list[float]:
 
 
 def initial_elongation(tiling: Any, i: int) -> float:
-    """Displacement of the right end of body i at t = 0, m.
+    """Displacement of the right end of body i at t = 0, m, from its initial strain.
 
-    It is that of the point of the tiling with the largest x at t = 0, else 0.
+    The right end is the point of the tiling of the body with the largest x at t = 0. A
+    body that is not in the tiling, a mass or a wall, has 0.
     """
     right_end = 0.0
     elongation = 0.0
@@ -226,9 +238,10 @@ def initial_elongation(tiling: Any, i: int) -> float:
 
 
 def slowest_velocity(system: Any, before: list[float]) -> float:
-    """Velocity of the slowest wall, held end or, without any, body, m/s.
+    """Velocity of smallest magnitude among walls and held ends, m/s.
 
-    The slowest one has the velocity of the smallest magnitude.
+    A held end, fixed or driven at a velocity, counts as at rest. Without walls and held
+    ends it is the velocity of smallest magnitude among the bodies.
 
     Parameters
     ----------
@@ -253,24 +266,26 @@ def slowest_velocity(system: Any, before: list[float]) -> float:
 
 
 def locate_gauge(system: Any, gauge: Any) -> GaugeLocation:
-    """Segment of a gauge, its place in the segment, and its name, "rod 2 at 0.5 m".
+    """Segment of a gauge, its position in the segment, and its name.
 
-    Where two segments meet it is in the right one.
+    The name is such as "rod 2 at 0.5 m", counted from the left end of the rod. A gauge
+    where two segments meet is in the right one.
 
     Parameters
     ----------
     system : System
     gauge : dict
-        Its ``body``, and its place as a ``fraction`` of the length.
+        The index ``body`` of its rod, and its position as a ``fraction`` of the length.
     """
     segments = system.bodies[gauge["body"]].segments
     number = body_numbers([body.kind for body in system.bodies])[gauge["body"]]
     length = 0.0
     for segment in segments:
         length += segment.length
-    x = gauge["fraction"] * length
+    x = gauge["fraction"] * length  # from the left end of the rod
     name = f"rod {number} at {format_si(x, 'm', 4)}"
     s = 0
+    # From here on x counts from the left end of segment s.
     while s < len(segments) - 1 and x >= segments[s].length:
         x -= segments[s].length
         s += 1

@@ -41,7 +41,7 @@ The page's clock has fewer bits and begins with a smaller share, so that its tic
 fine. A run that outlasts its clock is made again.
 """
 MAX_REGIONS = 3000
-"""Polygons of constant state that the page draws at most."""
+"""Largest number of polygons of constant state that the page draws."""
 TOO_FAR_APART = (
     "times too far apart for the clock of this page; rodimpact run may solve it"
 )
@@ -59,16 +59,17 @@ class PageRun(NamedTuple):
 
 
 def new_run(layout: Any) -> PageRun:
-    """A collision that has not begun."""
+    """A collision that has not begun, with the records of its run."""
     state = make_state(layout, INITIAL_LOG_ROWS, [layout.values])
     return PageRun(layout, state, state.runs[0])
 
 
 def run_to_end(request: Any, run_past_proof: bool, run: PageRun) -> PageRun:
-    """Run a collision to its given end, or to its proof of finality; return the run.
+    """Run a collision to its given end, or to its proof of finality; return `run`.
 
-    Without a given end, the clock first counts a share of its longest horizon. A run
-    that outlasts it begins again on a clock that counts further.
+    The records of `run` are changed. Without a given end, the clock first counts
+    `FIRST_HORIZON_SHARE` of its longest horizon. A run that outlasts its clock begins
+    again on one that counts four times as far, up to the whole horizon.
 
     Parameters
     ----------
@@ -85,7 +86,7 @@ def run_to_end(request: Any, run_past_proof: bool, run: PageRun) -> PageRun:
         run_from_start(run)
         return run
     share = FIRST_HORIZON_SHARE
-    record.until = -share  # a negative one asks for this share of the horizon
+    record.until = -share  # a negative number asks for this share of the horizon
     run_from_start(run)
     while record.stop_reason == Stop.CLOCK and share < 1:
         share = min(4 * share, 1.0)
@@ -95,7 +96,10 @@ def run_to_end(request: Any, run_past_proof: bool, run: PageRun) -> PageRun:
 
 
 def run_from_start(run: PageRun) -> None:
-    """Run from t = 0 on, on the clock that `until` asks for; a full log grows."""
+    """Run from t = 0 on the clock that `record.until` asks for, until the run stops.
+
+    A log that is full becomes four times as long.
+    """
     log = run.state.log
     while not members.run_members(run.state):
         log.extend(blank(3 * len(log), FRONT))
@@ -105,10 +109,10 @@ def run_from_start(run: PageRun) -> None:
 
 
 def motion_of_fronts(run: PageRun) -> Any:
-    """Motion of a run, a dictionary (see the module `motion`), of constant waves.
+    """Motion of a run, in the form of the module `motion`, with constant waves.
 
-    If the page could not draw all regions, its end ``now`` is a half, a quarter and so
-    on of the run. The entry ``rods`` has the same waves in the form of `polygons_of`.
+    Its end ``now`` is the end of the run, halved until at most `MAX_REGIONS` regions
+    are to be drawn. The entry ``rods`` has the same waves in the form of `polygons_of`.
     """
     record = run.record
     row = run.layout.row
@@ -134,7 +138,7 @@ def motion_of_fronts(run: PageRun) -> Any:
 
 
 def transits_of(run: PageRun) -> list[Any]:
-    """Transit times of the segments, ticks."""
+    """Transit times of the segments from left to right, ticks."""
     # The first and the last segment of the state lie outside the row.
     inside = run.state.segments[1 : len(run.layout.row.segments) + 1]
     return [segment.transit for segment in inside]
@@ -151,13 +155,17 @@ def waves_of_fronts(run: PageRun) -> list[Any]:
         if front.line > 1:  # neither a change of a contact nor a line outside
             piece = piece_of(front.tick, NEVER, [front.value])
             piece.line = front.line - 2  # the first line inside the row becomes 0
-            piece.break_order = 0
+            piece.break_order = 0  # the wave itself jumps at its start
             pieces.append(piece)
     return reading.waves_of(pieces, len(state.lines) - 2)
 
 
 def rods_of(row: Any, transits: list[Any], waves: list[Any]) -> list[Any]:
-    """Segments of each body with their waves, in the form of `polygons_of`."""
+    """For each body its segments with numbers and waves, in the form of `polygons_of`.
+
+    `transits` are in ticks, and `waves` has two for each segment. A wall or a mass has
+    no segments.
+    """
     rods = []
     for i in range(len(row.spans)):
         pieces = []
@@ -179,7 +187,7 @@ def rods_of(row: Any, transits: list[Any], waves: list[Any]) -> list[Any]:
 
 
 def constant_wave(wave: Any) -> Any:
-    """A wave of constant pieces in the form of `front_polygons`."""
+    """A wave of `waves_of` with constant pieces, in the form of `front_polygons`."""
     values = [piece.coefficients[0] for piece in wave["piece"]]
     return wave_of(wave["start"], values)
 
@@ -188,41 +196,45 @@ def constant_wave(wave: Any) -> Any:
 
 
 def contact_curves(run: PageRun, stop: int) -> list[Any]:
-    """Curves of force, N, and gap, m, of each contact, with points where it changes.
+    """Curves of the ``force``, N, and of the ``gap``, m, of each contact.
 
-    There is a point at t = 0 and at the tick `stop`, too. The kernel runs again, event
-    by event, to this tick.
+    They have points at t = 0, at each change of the contact, and at the tick `stop`.
+    The gap of a bond is None. For this the kernel runs again, event by event, on new
+    records.
     """
-    again = new_run(run.layout)
-    state = again.state
-    record = again.record
+    second_run = new_run(run.layout)
+    state = second_run.state
+    record = second_run.record
     record.until = run.record.until
-    record.max_events = 0
+    record.max_events = 0  # stops the run after the events at t = 0
     record.run_past_proof = 1
-    run_from_start(again)  # the run ends with the events at t = 0
+    run_from_start(second_run)
     record.max_events = run.record.max_events
-    record.next_proof_event = IDLE  # the first run has the proof
+    record.next_proof_event = IDLE  # no proof is tried: the first run has it
     curves = []
     for contact in run.layout.row.system.contacts:
         curves.append(empty_curves(contact))
     now = 0
     while now <= stop:
-        for i, node in enumerate(contacts_of(again)):
+        for i, node in enumerate(contacts_of(second_run)):
             has_changed = node.solved_tick == now
             if has_changed or now in (0, stop):
                 add_change(curves[i], node, now, run.record.tick_duration)
         if now < stop:
             now = min(state.queue[1], stop)  # tick of the next event
         else:
-            now = stop + 1
-        # The run goes to this tick; a full log stops it until the log is longer.
+            now = stop + 1  # ends the loop
+        # The run goes on to the tick `now`. A full log stops it; it is made longer.
         while events.advance(state, min(now, stop)) == Stop.FULL:
             state.log.extend(blank(len(state.log), FRONT))
     return curves
 
 
 def empty_curves(contact: Any) -> Any:
-    """Curves of force and gap of a contact without any point; no gap for a bond."""
+    """Curves ``force`` and ``gap`` of a contact without any point.
+
+    The gap of a bond is None.
+    """
     gap: Any = None
     if contact.opens:
         gap = {"t": [], "y": []}
@@ -230,10 +242,11 @@ def empty_curves(contact: Any) -> Any:
 
 
 def add_change(curves: Any, node: Any, now: int, tick_duration: float) -> None:
-    """Add a point with the force and the gap of a contact, at the tick `now`.
+    """Add the force and the gap of a contact at the tick `now` to its curves.
 
-    The force is a step curve: each change has a point with the force before it, and one
-    with the force after it. The gap grows evenly since the node was solved.
+    The force is a step curve: two points are added, with the force before and after
+    `now`; the first time only one. The gap changes evenly after the node was solved; a
+    bond has no curve of the gap.
     """
     t = now * tick_duration
     force = curves["force"]
@@ -244,7 +257,7 @@ def add_change(curves: Any, node: Any, now: int, tick_duration: float) -> None:
     force["y"].append(node.force)
     gap = curves["gap"]
     if gap is not None:
-        # Gaps of nodes are m/s times ticks.
+        # Gaps of nodes are in m/s times ticks. Round-off may make them negative.
         width = max(node.gap + node.gap_rate * (now - node.solved_tick), 0.0)
         gap["t"].append(t)
         gap["y"].append(width * tick_duration)
@@ -254,20 +267,20 @@ def add_change(curves: Any, node: Any, now: int, tick_duration: float) -> None:
 
 
 def outcome_of(run: PageRun, status: str) -> Any:
-    """The outcome of a collision, in the form of `facts_of_outcome`."""
+    """The outcome of a collision, a dictionary of `facts_of_outcome`.
+
+    `status` says why the run ended. Of the stated errors it has that of velocities.
+    """
     record = run.record
     row = run.layout.row
     segments = run.state.segments
     clock = clock_of(run)
     # A transit time is rounded by the part `error` of itself, an event by a tick.
     error, _ = most_rounded(row, clock.transits, clock.tick)
-    error_of_event = (error + 1 / max(clock.transits)) * record.velocity_scale
-    summary = RunSummary(
-        [tally_of(node, clock.tick) for node in contacts_of(run)],
-        is_proved(run),
-        status,
-        {"velocity": error_of_event * record.events},
-    )
+    error_of_event = (error + 1 / max(clock.transits)) * record.velocity_scale  # m/s
+    contacts = [tally_of(node, clock.tick) for node in contacts_of(run)]
+    errors = {"velocity": error_of_event * record.events}
+    summary = RunSummary(contacts, is_proved(run), status, errors)
     masses = [rod_mass(clock, i) for i in range(len(row.spans))]
     before = initial_motion(clock, masses, segments)
     after = final_motion(clock, masses, segments)
@@ -277,25 +290,30 @@ def outcome_of(run: PageRun, status: str) -> Any:
 def clock_of(run: PageRun) -> Clock:
     """The clock of a run, with its ticks, transit times, frame and impedances.
 
-    Its scale, reference and last tick are 0.
+    Its scale, reference and last tick, which nobody reads, are 0.
     """
     record = run.record
     row = run.layout.row
     transits = transits_of(run)
+    # Nothing lies to the left and to the right of the row.
     impedance = [0.0, *[segment.impedance for segment in row.segments], 0.0]
     tick = record.tick_duration
-    return Clock(row, tick, transits, record.frame_velocity, 0.0, 0.0, 0, impedance)
+    scale = 0.0
+    reference = 0.0
+    last_tick = 0
+    frame = record.frame_velocity
+    return Clock(row, tick, transits, frame, scale, reference, last_tick, impedance)
 
 
 def contacts_of(run: PageRun) -> list[Any]:
-    """The nodes of the contacts, from left to right."""
+    """The nodes of the contacts in the state of a run, from left to right."""
     return [run.state.nodes[k] for k in run.layout.contacts]
 
 
 def is_proved(run: PageRun) -> bool:
     """Whether the outcome is proved to be final.
 
-    No outcome is where a driven end acts on to a given end of the run.
+    It never is if a driven end acts until a given end of the run.
     """
     record = run.record
     has_proof: bool = record.proved_tick != NONE
@@ -307,17 +325,17 @@ def why_ended(run: PageRun) -> RunEnd:
     """Why the run ended: a statement, and advice to users of Python."""
     record = run.record
     contacts = contacts_of(run)
-    longest_trip = round_trip(run.state.segments) * record.tick_duration
-    last = last_contact_end(record, contacts, longest_trip)
+    longest_trip = round_trip(run.state.segments) * record.tick_duration  # s
+    last = last_contact_end(record, contacts, longest_trip)  # end of the last contact
     return end_of_run(record, contacts, run.layout.row.system, is_proved(run), last)
 
 
 def status_of(run: PageRun) -> str:
-    """Why the run ended, and what to mind: `Solution.status` without advice on Python.
+    """Sentences on a run: `Solution.status` without advice.
 
-    Sentences follow on transit times that the clock rounds, on strains that are not
-    small, and on contacts whose force decays below the tolerance; each is empty if
-    there are none.
+    They say why it ended, then, if there are any, name transit times that the clock
+    rounds, strains that are not small, and contacts whose force decays below the
+    tolerance.
     """
     record = run.record
     row = run.layout.row
@@ -325,7 +343,8 @@ def status_of(run: PageRun) -> str:
     tick = record.tick_duration
     error, path = most_rounded(row, transits_of(run), tick)
     wave_speeds = [segment.wave_speed for segment in row.segments]
-    # The strain is (b - a)/(2 c) by the waves a and b: at most the largest wave over c.
+    # With the waves a and b the strain is (b - a)/(2 c): at most the largest wave over
+    # the least c.
     strain = record.max_wave / smallest(wave_speeds)
     remarks = rounding(error, path) + strain_warning(strain)
     decaying = faint_sentence(record, contacts, row.system)
@@ -341,12 +360,12 @@ def solve_by_fronts(system: Any, request: Any) -> Any:
     Returns
     -------
     dict
-        The solution, in the form that `solved.scene_of_solution` takes; or, if it has
-        no result or nothing to show, a ``problem``, path and sentence, with ``advice``
-        to users of Python.
+        The solution, in the form that `solved.scene_of_solution` takes. If there is no
+        result, or nothing to show, a ``problem``, path and sentence, and ``advice`` to
+        users of Python.
     """
     run = new_run(lay_out_family(build_row(system)))
-    run_past_proof = True  # shows a round trip after the proof that it is final
+    run_past_proof = True  # the page shows a round trip after the proof
     run_to_end(request, run_past_proof, run)
     record = run.record
     if record.stop_reason >= Stop.OVERFLOW:  # there is no result
@@ -377,10 +396,10 @@ def solve_by_fronts(system: Any, request: Any) -> Any:
 
 
 def closed_form_of(system: Any, before: list[float]) -> Any:
-    """e of a pair in closed form, and its source; None for a row without one.
+    """``restitution`` e of a pair in closed form, and its ``source``, else None.
 
-    It is there for two bodies that approach each other, uniform rods or a rod and a
-    wall, in a contact that opens, with free ends, one velocity each and no strain.
+    A closed form exists for two uniform rods, or a rod and a wall, that approach each
+    other, with a contact that can open, free ends, one velocity each and no strain.
 
     Parameters
     ----------
@@ -391,7 +410,7 @@ def closed_form_of(system: Any, before: list[float]) -> Any:
     bodies = system.bodies
     if len(bodies) != 2 or not system.contacts[0].opens:
         return None
-    if before[0] <= before[1]:
+    if before[0] <= before[1]:  # they do not approach
         return None
     for body in bodies:
         has_one_velocity = isinstance(body.velocity, float)

@@ -78,9 +78,13 @@ TEMPLATES = {
     "And": " && ",
     "Or": " || ",
 }
-"""JavaScript of nodes and operators; a part with a question mark is a condition."""
+"""JavaScript of the nodes and operators of `ast`, by their names.
+
+A placeholder is the name of a field of the node; one with a question mark is a
+condition.
+"""
 SEPARATORS = {"elts": ",", "targets": "=", "values": "+"}
-"""Text between the items of a list of parts."""
+"""Text between the items of a field that is a list, by the name of the field."""
 CALLS: dict[Any, str] = {
     abs: "Math.abs",
     int: "py.int",
@@ -126,7 +130,10 @@ CALLS: dict[Any, str] = {
     np.isfinite: "Number.isFinite",
     np.any: "py.truth",
 }
-"""JavaScript of functions: a name, or a template for the arguments."""
+"""JavaScript of functions: a name, or a template for the arguments.
+
+`py` is the library of the page, in page/python.js.
+"""
 TYPES = {
     "float": "number",
     "str": "string",
@@ -134,7 +141,7 @@ TYPES = {
     "list": "array",
     "Steps": "object",
 }
-"""Type names for `py.isinstance`."""
+"""Names of types for `py.isinstance`, by their names in Python."""
 METHODS = {
     "append": "{}.push({})",
     "extend": "py.extend({},{})",
@@ -146,13 +153,14 @@ METHODS = {
 }
 """JavaScript of methods, a template for the object and the arguments."""
 ARRAY_ATTRIBUTES = set(dir(np.ndarray)) - {"base", "mean"}
-"""Attributes of arrays, which JavaScript lacks; two are names of fields of records,
-too.
+"""Attributes of arrays, which JavaScript lacks.
+
+The two left out are also names of fields of records.
 """
 
 
 class Untranslatable(ValueError):
-    """A function uses syntax that is not translated; the message tells the place."""
+    """A function uses syntax that is not translated; the message has file and line."""
 
 
 def javascript(
@@ -185,15 +193,16 @@ def javascript(
         calls.update(provided)
     program = _Program(constants or {}, calls)
     for root in roots:
-        program.name(root, root.__name__, root.__module__)
+        program.name(root, root.__name__, root.__module__)  # queues the function
     texts = []
-    for function in program.functions:  # grows by the functions that are called
+    # While a function is translated, the functions that it calls are appended.
+    for function in program.functions:
         texts.append(_Translator(function, program).text())
     return "\n".join([*program.tables, *texts])
 
 
 def field_names(record: Any) -> list[str]:
-    """Names of the fields of a named tuple or a dataclass; none of anything else."""
+    """Names of the fields of a class of named tuples or a dataclass; [] for others."""
     if isinstance(record, type) and dataclasses.is_dataclass(record):
         return [field.name for field in dataclasses.fields(record)]
     return list(getattr(record, "_fields", ()))
@@ -205,7 +214,7 @@ class _Program:
     def __init__(
         self, constants: Mapping[str, float], calls: Mapping[Any, str]
     ) -> None:
-        """Begin with no function to be translated."""
+        """Keep the constants and calls; no function is queued yet."""
         self.constants = constants  # values in the page, by name
         self.calls = calls  # JavaScript of functions that are not translated
         self.functions: list[FunctionType] = []
@@ -213,10 +222,12 @@ class _Program:
         self._names: dict[int, str] = {}  # names by the id of the object
 
     def name(self, value: Any, name: str, module: str) -> str:
-        """Name in JavaScript of a function, a list of a module, or an empty record.
+        """Name in JavaScript of a function, or of a list, dictionary or dtype.
 
-        If the name is taken, it is prefixed with the names of its modules until it is
-        unique. A new object is queued for translation, or declared as a table.
+        An object that is known keeps its name. A new function is queued for
+        translation, any other new object is declared as a table. If another object has
+        the name already, the new one is prefixed with the names of its modules, the
+        last one first, until it is unique.
         """
         if id(value) in self._names:
             return self._names[id(value)]
@@ -233,7 +244,10 @@ class _Program:
 
 
 def _plain_table(value: Any) -> Any:
-    """A list or dictionary as it is; for a dtype a record: zeros by field name."""
+    """A list or dictionary as it is; a dtype as a dictionary of zeros by field.
+
+    A field that is an array has a list of zeros.
+    """
     if not isinstance(value, np.dtype):
         return value
     record = {}
@@ -245,10 +259,11 @@ def _plain_table(value: Any) -> Any:
 def _short_name(k: int) -> str:
     """Name of variable number k of a function: a_ to z_, then a1_ to z1_ and so on.
 
-    With its underscore none is a word of JavaScript.
+    Because of the underscore no name is a reserved word of JavaScript.
     """
     number, letter = divmod(k, len(string.ascii_lowercase))
-    return f"{string.ascii_lowercase[letter]}{number or ''}_"
+    digits = str(number) if number > 0 else ""
+    return f"{string.ascii_lowercase[letter]}{digits}_"
 
 
 class _Translator(ast.NodeVisitor):
@@ -261,24 +276,30 @@ class _Translator(ast.NodeVisitor):
         """
         self.function = function
         self.program = program
+        # `line` is the number in the file of the line that is being translated.
         lines, self.line = inspect.getsourcelines(function)
         module: Any = ast.parse(textwrap.dedent("".join(lines)))
-        ast.increment_lineno(module, self.line - 1)
-        self.tree = module.body[0]
+        ast.increment_lineno(module, self.line - 1)  # numbers of lines as in the file
+        self.tree = module.body[0]  # the definition of the function
         self.arguments = [argument.arg for argument in self.tree.args.args]
-        # Names of variables in JavaScript, by those in Python; the arguments come
+        # Short names of arguments and variables, by those in Python; the arguments come
         # first.
         self.local: dict[str, str] = {}
         for name in self.arguments:
             self.local[name] = _short_name(len(self.local))
         for node in ast.walk(self.tree):
+            # a name that is assigned to
             if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
                 self.local.setdefault(node.id, _short_name(len(self.local)))
 
     def text(self) -> str:
-        """Return the function in JavaScript."""
+        """The whole function in JavaScript: head, variables, body.
+
+        Variables are declared at the top. Default values of arguments stay; the
+        docstring is left out.
+        """
         arguments = [self.local[name] for name in self.arguments]
-        defaults = self.tree.args.defaults
+        defaults = self.tree.args.defaults  # those of the last arguments
         first_with_default = len(arguments) - len(defaults)
         for i, default in enumerate(defaults, first_with_default):
             arguments[i] += f"={self.visit(default)}"
@@ -296,45 +317,52 @@ class _Translator(ast.NodeVisitor):
         return f"function {name}({','.join(arguments)}){{\n{declaration}{body}}}"
 
     def visit(self, node: ast.AST) -> str:
-        """Text of a node; Untranslatable is raised with its file and line."""
+        """JavaScript of a node, by its method or by `generic_visit`.
+
+        Untranslatable is raised, with file and line, if the node has none.
+        """
         self.line = getattr(node, "lineno", self.line)
         try:
             return str(super().visit(node))
-        except KeyError as missing:  # one of the tables above lacks it
+        except KeyError as missing:  # a table above lacks the syntax or the name
             location = f"{inspect.getsourcefile(self.function)}:{self.line}"
             message = f"{location}: {missing.args[0]} is not translated to JavaScript"
             raise Untranslatable(message) from None
 
     def generic_visit(self, node: ast.AST) -> str:
-        """Text of a node by its template, or by that of its operator."""
+        """Text of a node that has no method of its own, by its template.
+
+        An operation has the template of its operator, such as "Add".
+        """
         kind = type(getattr(node, "op", node)).__name__
         if kind == "Mult" and isinstance(getattr(node, "left", None), ast.List):
-            kind = "List Mult"
+            kind = "List Mult"  # [0] * n repeats a list
         if kind == "If" and getattr(node, "orelse", None):
             kind = "If Else"
         return self.filled(kind, node)
 
     def filled(self, kind: str, node: Any) -> str:
-        """Template of a kind of nodes, filled with the parts of a node.
+        """The template of `kind`, filled with the fields of a node.
 
-        A placeholder such as {body} takes the part of this name, {?test} the part as a
-        condition.
+        A placeholder such as {body} is replaced by the text of the field `body`, and
+        {?test} by that of the field `test` as a condition.
         """
 
         def text(placeholder: re.Match[str]) -> str:
-            """Text of the part of a placeholder."""
-            is_condition, name = placeholder.groups()
+            """Text of the field that a placeholder names."""
+            question_mark, name = placeholder.groups()
             value = getattr(node, name)
-            if is_condition:
+            if question_mark:
                 return self.truth(value)
             return self.part(name, value)
 
         return re.sub(r"\{(\??)(\w+)\}", text, TEMPLATES[kind])
 
     def part(self, name: str, value: Any) -> str:
-        """Text of a part of a node: of its items, of one node, or a name as it is.
+        """Text of a field of a node: a list of nodes, a node, a name, or None.
 
-        A part that is None has no text, "".
+        Nodes in a list are joined by the separator of the field. A name is its own
+        text, the text of None is "".
         """
         if isinstance(value, list):
             return SEPARATORS.get(name, "").join(map(self.visit, value))
@@ -343,7 +371,11 @@ class _Translator(ast.NodeVisitor):
         return value or ""
 
     def truth(self, value: ast.expr) -> str:
-        """Text of a condition: true or false; a number is true unless it is 0."""
+        """Text of a condition, whose value in JavaScript is true or false.
+
+        `py.truth` makes numbers true unless they are 0. Comparisons, `not`, `and` and
+        `or` give true or false already.
+        """
         text = self.visit(value)
         is_negation = isinstance(value, ast.UnaryOp) and isinstance(value.op, ast.Not)
         if is_negation or isinstance(value, ast.Compare | ast.BoolOp):
@@ -353,10 +385,10 @@ class _Translator(ast.NodeVisitor):
     # Statements -----------------------------------------------------------------------
 
     def visit_For(self, node: ast.For) -> str:
-        """Text of a loop; one over `range` counts in a variable of its own.
+        """Text of a loop: a counting loop over `range`, else `for ... of` over a list.
 
-        So the variable of the loop keeps its last value, as in Python. Any other loop
-        runs over the items of a list by `for ... of`, the template.
+        A counting loop counts in a variable of its own. So after the loop the variable
+        of Python has its last value, and not the first one beyond the range.
         """
         match node.iter:
             case ast.Call(ast.Name("range"), arguments):
@@ -365,30 +397,34 @@ class _Translator(ast.NodeVisitor):
                 return self.generic_visit(node)
         # range(stop), range(start, stop) or range(start, stop, step)
         target = self.visit(node.target)
-        bounds = list(map(self.visit, arguments))
+        texts = list(map(self.visit, arguments))
         start = "0"
         step = "1"
-        if len(bounds) == 1:
-            stop = bounds[0]
+        if len(texts) == 1:
+            stop = texts[0]
         else:
-            start = bounds[0]
-            stop = bounds[1]
-        if len(bounds) == 3:
-            step = bounds[2]
-        sign = "<"
+            start = texts[0]
+            stop = texts[1]
+        if len(texts) == 3:
+            step = texts[2]
+        comparison = "<"
         if "-" in step:  # steps are constants, so the text shows their sign
-            sign = ">"
+            comparison = ">"
+        counter = f"_{target}"
         # `let` gives each loop its own _end, also a loop inside another.
-        first = f"let _{target}={start},_end={stop}"
-        head = f"{first};_{target}{sign}_end;_{target}+={step}"
+        declaration = f"let {counter}={start},_end={stop}"
+        head = f"{declaration};{counter}{comparison}_end;{counter}+={step}"
         body = self.part("body", node.body)
-        return f"for({head}){{\n{target}=_{target};\n{body}}}\n"
+        return f"for({head}){{\n{target}={counter};\n{body}}}\n"
 
     def visit_Assign(self, node: ast.Assign) -> str:
-        """Text of an assignment; a tuple is assigned item by item, which is quicker."""
+        """Text of an assignment; `a, b = x, y` is done item by item, which is quicker.
+
+        All values are computed before the first item is assigned, as in Python.
+        """
         match node.targets, node.value:
             case [ast.Tuple(targets)], ast.Tuple(values):
-                pass
+                pass  # the pattern has set `targets` and `values`
             case _:
                 return self.generic_visit(node)
         constants = []
@@ -400,17 +436,19 @@ class _Translator(ast.NodeVisitor):
         return f"{{const {','.join(constants)};{assignments}}}\n"
 
     def visit_AugAssign(self, node: ast.AugAssign) -> str:
-        """Text of `x += y`, or with another operator: x=(x+y)."""
+        """Text of `x += y` as x=(x+y), also with another operator."""
         value = self.visit(ast.BinOp(node.target, node.op, node.value))
         return f"{self.visit(node.target)}={value};\n"
 
     # Expressions ----------------------------------------------------------------------
 
     def known(self, node: ast.expr) -> Any:
-        """Value of a name of a module, or of an attribute of a module or enum.
+        """Value that a name or an attribute has outside the function.
 
-        A constant of the program with this name goes first. None for anything else,
-        such as a variable of the function.
+        It is the value of a name of the function's module or of Python, or of an
+        attribute of a module or an enum. A constant of the program with this name
+        replaces it. The result is None for variables of the function, their fields and
+        methods, and all other expressions.
         """
         constants = self.program.constants
         match node:
@@ -430,15 +468,17 @@ class _Translator(ast.NodeVisitor):
         return getattr(owner, name)
 
     def literal(self, name: str, value: Any) -> str:
-        """Text of a value of a module: lists and tables by name, others as literals.
+        """Text of a value of a module that has this name.
 
-        KeyError is raised for a whole number that doubles do not hold, and for values
-        of other kinds.
+        Lists, dictionaries and dtypes are declared as tables of the program; the text
+        is the name of the table. A type is the text in `TYPES` that `py.isinstance`
+        takes. Numbers and texts are literals. KeyError is raised for a whole number
+        that doubles do not hold, for types not in `TYPES`, and for all other values.
         """
         if isinstance(value, list | dict | np.dtype):
             return self.program.name(value, name, self.function.__module__)
         if isinstance(value, type):
-            return json.dumps(TYPES[value.__name__])
+            return json.dumps(TYPES[value.__name__])  # in quotation marks
         if isinstance(value, int) and abs(value) >= MAX_WHOLE:
             raise KeyError(f"the name {name}")
         if not isinstance(value, int | float | str):
@@ -458,7 +498,10 @@ class _Translator(ast.NodeVisitor):
         return self.literal(node.id, self.known(node))
 
     def visit_Attribute(self, node: ast.Attribute) -> str:
-        """Text of a value of a module or enum, or of a field of a record."""
+        """Text of a value of a module or enum, or of a field of a record.
+
+        KeyError is raised for an attribute of arrays.
+        """
         value = self.known(node)
         if value is not None:
             return self.literal(node.attr, value)
@@ -467,9 +510,9 @@ class _Translator(ast.NodeVisitor):
         return self.generic_visit(node)
 
     def visit_Subscript(self, node: ast.Subscript) -> str:
-        """Text of x[i]; x.slice(i,j) for x[i:j], and x.at(-i) for x[-i]."""
+        """Text of x[i], x.slice(i,j) for x[i:j], or x.at(-i) for x[-i]."""
         match node.slice:
-            case ast.Slice(lower, upper):
+            case ast.Slice(lower, upper):  # either bound may be None
                 start = self.visit(lower or ast.Constant(0))
                 stop = self.part("upper", upper)
                 return f"{self.visit(node.value)}.slice({start},{stop})"
@@ -483,27 +526,33 @@ class _Translator(ast.NodeVisitor):
         return f"({sign.join(map(self.truth, node.values))})"
 
     def visit_Compare(self, node: ast.Compare) -> str:
-        """Text of a comparison; of a < b < c as a<b && b<c."""
+        """Text of a comparison in brackets; that of a < b < c is (a<b && b<c)."""
         comparisons = []
         left = node.left
         for operator, right in zip(node.ops, node.comparators, strict=True):
-            pair = ast.BinOp(left, ast.Add(), right)  # has the parts of the template
+            # The template needs a node with the fields `left` and `right`; the operator
+            # of this node does not matter.
+            pair = ast.BinOp(left, ast.Add(), right)
             comparisons.append(self.filled(type(operator).__name__, pair))
             left = right
         return f"({' && '.join(comparisons)})"
 
     def visit_Dict(self, node: ast.Dict) -> str:
-        """Text of a dictionary as an object, also with `**` in it."""
+        """Text of a dictionary as an object; `**other` in it becomes ...other."""
         entries = []
         for key, value in zip(node.keys, node.values, strict=True):
-            if key is None:
+            if key is None:  # **value
                 entries.append(f"...{self.visit(value)}")
             else:
                 entries.append(f"[{self.visit(key)}]:{self.visit(value)}")
         return f"({{{','.join(entries)}}})"
 
     def visit_ListComp(self, node: ast.ListComp | ast.GeneratorExp) -> str:
-        """Text of a comprehension: the last loop maps, the loops before it flatten."""
+        """Text of a comprehension or generator as a list made by `map` and `filter`.
+
+        Of several loops the last one maps; each loop before it flattens the lists of
+        the loops inside.
+        """
         text = self.visit(node.elt)
         method = "map"
         for loop in reversed(node.generators):
@@ -513,7 +562,7 @@ class _Translator(ast.NodeVisitor):
                 filters += f".filter(({item})=>{self.truth(condition)})"
             items = f"Array.from({self.visit(loop.iter)}){filters}"
             text = f"{items}.{method}(({item})=>({text}))"
-            method = "flatMap"  # all loops before the last flatten
+            method = "flatMap"  # for the loops around this one
         return text
 
     visit_GeneratorExp = visit_ListComp  # noqa: N815 - a name of ast
@@ -521,25 +570,30 @@ class _Translator(ast.NodeVisitor):
     def visit_Call(self, node: ast.Call) -> str:
         """Text of a call of a method, of min and max, of a record, or of a function.
 
-        A record becomes an object with its fields. Arguments by name are refused.
+        A record becomes an object with its fields. KeyError is raised for an argument
+        by name, except `strict` of `zip`, which is left out; and for methods and
+        functions that the page does not have.
         """
         called = self.known(node.func)
         arguments = list(map(self.visit, node.args))
         for keyword in node.keywords:
-            if keyword.arg != "strict":  # zip on the page knows no such option
+            if keyword.arg != "strict":
                 raise KeyError("an argument by name")
-        if called is None and isinstance(node.func, ast.Attribute):
+        if called is None and isinstance(node.func, ast.Attribute):  # a method
             owner = self.visit(node.func.value)
             return METHODS[node.func.attr].format(owner, ",".join(arguments))
         name = ast.unparse(node.func)
         if called in (min, max) and len(arguments) > 1:
+            # py.min and py.max of the page take two numbers: min(a, b, c) is
+            # min(min(a, b), c).
             text = arguments[0]
-            for argument in arguments[1:]:  # min(a, b, c) is min(min(a, b), c)
+            for argument in arguments[1:]:
                 text = f"py.{name}({text},{argument})"
             return text
         fields = field_names(called)
         if fields:
-            entries = []  # the last fields may have defaults
+            entries = []
+            # Fields without an argument have defaults, which the page does not need.
             for field, argument in zip(fields, arguments, strict=False):
                 entries.append(f"{field}:{argument}")
             return f"({{{','.join(entries)}}})"
@@ -551,8 +605,9 @@ class _Translator(ast.NodeVisitor):
     def name_of_function(self, function: Any, name: str) -> str:
         """Name in JavaScript of a function that is called, or its template.
 
-        A function of this package is queued for translation. KeyError is raised for a
-        function that the page does not have.
+        A function in the program's `calls` has its entry there. Another function of
+        this package is queued for translation. KeyError is raised for all others;
+        `name` is their name in the message.
         """
         if function in self.program.calls:
             return self.program.calls[function]

@@ -56,7 +56,7 @@ LETTER_IN_PLACE = str.maketrans("<", ",")
 
 
 def read(name: str) -> str:
-    """Text of a file of the page; the kernels are translated now."""
+    """Text of a file of the page; "kernels.js" is translated from Python."""
     if name == "kernels.js":
         return compact(script())
     file = resources.files(__package__).joinpath("page", name)
@@ -64,13 +64,15 @@ def read(name: str) -> str:
 
 
 def lean(text: str) -> str:
-    """A file of the page without indentation and without comments.
+    """The text of a file of the page without indentation and comments.
 
-    A comment behind code stays if it has a quotation mark: it may be part of a text.
+    A comment behind code stays if it has a quotation mark: // may then be part of a
+    text in the code.
     """
     line_comment = r"\s*//.*\n"
     block_comment = r"\s*/\*\*(.|\n)*?\*/\n"
-    indentation = r"\s+"  # the last choice, as it stands before comments, too
+    # The last alternative, because comments may be indented
+    indentation = r"\s+"
     left_out = f"^({line_comment}|{block_comment}|{indentation})"
     text = re.sub(left_out, "", text, flags=re.MULTILINE)
     comment_behind_code = r"[ \t]+// [^\"'`\n]*$"
@@ -78,15 +80,19 @@ def lean(text: str) -> str:
 
 
 def compact(text: str) -> str:
-    """A style or translated script without ends of lines and the last semicolons.
+    """A style or translated script without line ends after ; { } and commas.
 
-    Scripts that people write may have comments there, which would hide the next line.
+    Semicolons before } are left out, too. Scripts that people write are not shortened
+    like this: a comment that `lean` left would hide the next line.
     """
     return re.sub(r"(?<=[;{},])\n", "", lean(text)).replace(";}", "}")
 
 
 def standalone(embedded: Mapping[str, Any], title: str) -> str:
     """The page in one file, which asks no network for anything.
+
+    The text of ``page.html`` gets the style, the data, the compressed scripts and the
+    loader that unpacks them. A content security policy forbids all other scripts.
 
     Parameters
     ----------
@@ -117,7 +123,7 @@ def standalone(embedded: Mapping[str, Any], title: str) -> str:
     data = json.dumps(
         embedded, allow_nan=False, ensure_ascii=False, separators=(",", ":")
     )
-    data = data.replace("<", "\\u003c")  # so that no text in it ends the element
+    data = data.replace("<", "\\u003c")  # </script> in a text would end the element
     head = (
         f'<meta http-equiv="Content-Security-Policy" content="{policy}">\n'
         f"<style>{style}</style>"
@@ -135,12 +141,18 @@ def standalone(embedded: Mapping[str, Any], title: str) -> str:
 
 
 def packed(text: str) -> str:
-    """A text compressed, as letters in base 85, which are fewer than in base 64."""
+    """A text compressed and written in base 85, which is shorter than base 64.
+
+    A comma stands for the letter "<".
+    """
     letters = base64.b85encode(zlib.compress(text.encode(), 9)).decode()
     return letters.translate(LETTER_IN_PLACE)
 
 
 def _digest(text: str) -> str:
-    """Name of a script or style of this text in a content security policy."""
+    """Source of a script or style with this text in a content security policy.
+
+    It is its SHA-256 in base 64: 'sha256-...', in quotation marks.
+    """
     digest = hashlib.sha256(text.encode()).digest()
     return f"'sha256-{base64.b64encode(digest).decode()}'"

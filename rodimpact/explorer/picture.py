@@ -17,7 +17,7 @@ from .texts import as_sentence, error_text, format_quantity, with_error
 NO_VALUE = "-"
 """Text of a number that does not exist."""
 SMALLEST_RESTITUTION = 1e-9
-"""A smaller e has the digits of this one when its error is stated."""
+"""A smaller e is taken for this one to decide whether its error is shown."""
 
 
 def page_data(
@@ -45,8 +45,8 @@ def page_data(
     Returns
     -------
     dict
-        JSON-ready, in SI units but for strain in 1e-6; numbers that do not exist are
-        None.
+        JSON-ready, in SI units, but the strain of gauges in 1e-6. Numbers that do not
+        exist are None.
     """
     kinds = [body.kind for body in system.bodies]
     facts = {
@@ -87,9 +87,10 @@ def page_data(
 
 
 def bodies_of_page(system: Any, numbers: list[str], paths: Any) -> list[Any]:
-    """Facts of each body, with its number, "wall" for a wall.
+    """`facts_of_body` of each body, from left to right.
 
-    `paths` are displacements over time of masses and walls, None for rods.
+    `numbers` are texts by body, "wall" for a wall; `paths` are displacements over time
+    of masses and walls, None for rods.
     """
     bodies = []
     for i, body in enumerate(system.bodies):
@@ -98,7 +99,12 @@ def bodies_of_page(system: Any, numbers: list[str], paths: Any) -> list[Any]:
 
 
 def contacts_of_page(system: Any, names: list[str], curves: Any) -> list[Any]:
-    """Index, name and curves of each contact, and whether it is bonded or compliant."""
+    """For each contact a dictionary with the facts that the page shows.
+
+    They are its ``index`` and ``name``, whether it is ``bonded`` or ``compliant``, and
+    its curves of ``force`` and ``gap``. A rigid contact is neither bonded nor
+    compliant.
+    """
     contacts = []
     for i, law in enumerate(system.contacts):
         contacts.append(
@@ -115,16 +121,22 @@ def contacts_of_page(system: Any, names: list[str], curves: Any) -> list[Any]:
 
 
 def energy_plot(energies: Any) -> Any:
-    """Plot of the energies over time: its texts, and one curve for each energy."""
+    """Plot of the energies over time: ``key``, ``title``, ``unit``, and ``series``.
+
+    The series have a curve for each energy of `motion.energy_curves`.
+    """
     series = []
     for name, values in energies.items():
-        if name != "t":
+        if name != "t":  # the times of all curves; each gets a copy
             series.append({"name": name, "t": [*energies["t"]], "y": values})
     return {"key": "energy", "title": "Energy", "unit": "J", "series": series}
 
 
 def gauge_plot(records: Any) -> Any:
-    """Plot of the strain gauges over time: its texts, and a curve, 1e-6, for each."""
+    """Plot of the strain gauges over time: ``key``, ``title``, ``unit``, ``series``.
+
+    The series have a curve for each gauge, its strain in 1e-6.
+    """
     series = []
     for record in records:
         microstrain = [1e6 * strain for strain in record["y"]]
@@ -137,13 +149,19 @@ def gauge_plot(records: Any) -> Any:
 
 
 def layout_of_row(system: Any, facts: Any) -> Any:
-    """Layout of the row in the moving picture: offsets, magnification, frame, notes.
+    """Layout of the row in the moving picture.
 
-    A point is drawn at X = left + x + magnification (offset + displacement - frame t).
-    Bodies lie side by side, a mass with its `mass_width`. The picture moves with the
-    slowest body if the row drifts.
+    A point is drawn at X = left + x + magnification (offset + displacement - frame t),
+    where `left` is the left end of its body if all bodies lie side by side.
+
+    Returns
+    -------
+    dict
+        ``mass_width``, the width of a mass, m; ``offsets`` of the bodies, m;
+        ``magnification``; the velocity ``frame``, m/s, that of the slowest body if the
+        row drifts, else 0; and ``notes`` in words on these two.
     """
-    length = 0.0
+    length = 0.0  # of all rods, m
     for body in facts["bodies"]:
         for segment in body["segments"]:
             length += segment["length"]
@@ -171,14 +189,15 @@ def layout_of_row(system: Any, facts: Any) -> Any:
 
 
 def spread(facts: Any, offsets: list[float], frame: float) -> float:
-    """Largest less smallest displacement of all bodies, with gaps, m.
+    """Largest minus smallest displacement of all bodies at all times, m.
 
-    Displacements are those seen from a frame that moves at the velocity `frame`.
+    The initial offset of a body is part of its displacement. Displacements are seen
+    from a frame that moves at the velocity `frame`, m/s.
     """
     tiling = facts["tiling"]
     displacements: list[float] = []
-    for g, i in enumerate(tiling["body"]):
-        for k in range(tiling["start"][g], tiling["start"][g + 1]):
+    for g, i in enumerate(tiling["body"]):  # grid or polygon g of body i
+        for k in range(tiling["start"][g], tiling["start"][g + 1]):  # its points
             u = offsets[i] + tiling["displacement"][k] - frame * tiling["t"][k]
             displacements.append(u)
     for i, body in enumerate(facts["bodies"]):
@@ -211,9 +230,10 @@ def restitution_of(facts: Any) -> Any:
     Returns
     -------
     dict
-        The ``value``, or None; its ``text`` with the error, and apart the ``number``
-        and its ``error``, "" for a small one; ``why`` there is none, a sentence, or "";
-        and the ``closed_form``.
+        ``value``, a number or None; ``number``, its text, "-" for None; ``error``, the
+        text of its stated error, "" if it is too small to be shown; ``text``, both
+        together; ``why`` there is no value, a sentence, or ""; and the ``closed_form``
+        of the facts.
     """
     outcome = facts["outcome"]
     why = outcome["why"]
@@ -226,8 +246,9 @@ def restitution_of(facts: Any) -> Any:
         if facts["method"] == "fronts":
             digits = 6
         number = f"{without_round_off(value, 1.0):.{digits}g}"
-        size = max(value, SMALLEST_RESTITUTION)
-        error = error_text(size, digits, outcome["error"], "")
+        size = max(value, SMALLEST_RESTITUTION)  # 0 has no last digit
+        no_unit = ""
+        error = error_text(size, digits, outcome["error"], no_unit)
     elif len(outcome["unilateral"]) > 1:
         count = len(outcome["unilateral"])
         why = (
@@ -248,9 +269,10 @@ def restitution_of(facts: Any) -> Any:
 
 
 def rows_of_contact(facts: Any, i: int) -> Any:
-    """Name and text of impulse, peak force and force duration of a contact.
+    """Pairs of name and text: impulse, peak force and force duration of contact i.
 
-    An impact of rigid bodies has no peak force, and the text "-".
+    A text has the unit and the stated error. The peak force of an impact of rigid
+    bodies is NaN, and its text "-".
     """
     contact = facts["outcome"]["contacts"][i]
     errors = facts["outcome"]["errors"]
@@ -265,15 +287,17 @@ def rows_of_contact(facts: Any, i: int) -> Any:
 
 
 def text_of(value: float, error: float, unit: str) -> str:
-    """Text of a quantity with its stated error; "-" for NaN."""
+    """Text of a quantity with five digits and its stated error; "-" for NaN."""
     is_nan = value != value  # only NaN differs from itself
     if is_nan:
         return NO_VALUE
-    return with_error(format_quantity(value, unit, 5), value, 5, error, unit)
+    digits = 5
+    text = format_quantity(value, unit, digits)
+    return with_error(text, value, digits, error, unit)
 
 
 def rows_by_contact(facts: Any) -> Any:
-    """Rows of the table of contacts: the name, and the texts of its numbers.
+    """Rows of the table of contacts that can open: name, impulse, force, duration.
 
     There are no rows if at most one contact can open.
     """
@@ -289,17 +313,18 @@ def rows_by_contact(facts: Any) -> Any:
 
 
 def results_of(facts: Any) -> Any:
-    """Name and text of each result: velocities, the contact, energies.
+    """Pairs of name and text of the results: velocities, the contact, energies.
 
-    The numbers of several contacts are left to `rows_by_contact`.
+    Numbers of a contact are there only if a single one can open; `rows_by_contact` has
+    those of several. Numbers that do not exist are left out.
     """
     outcome = facts["outcome"]
-    after = "at the end"
+    when = "at the end"
     if outcome["final"]:
-        after = "after"
+        when = "after"
     rows = []
     for velocity in velocities_after(facts):
-        rows.append((f"velocity of {velocity['name']} {after}", velocity["text"]))
+        rows.append((f"velocity of {velocity['name']} {when}", velocity["text"]))
     if len(outcome["unilateral"]) == 1:
         for name, text in rows_of_contact(facts, outcome["unilateral"][0]):
             if text != NO_VALUE:
@@ -308,18 +333,18 @@ def results_of(facts: Any) -> Any:
     vibration = without_round_off(outcome["vibration_after"], energy_before)
     vibration_text = text_of(vibration, outcome["errors"].get("energy", 0.0), "J")
     rows.append(("energy before", format_quantity(energy_before, "J", 5)))
-    rows.append((f"vibration energy {after}", vibration_text))
+    rows.append((f"vibration energy {when}", vibration_text))
     return rows
 
 
 def velocities_after(facts: Any) -> list[Any]:
-    """Velocity of each rod and mass at the end.
+    """Velocity of each rod and mass at the end, in texts; walls are left out.
 
     Returns
     -------
     list of dict
         ``number`` and ``name`` of the body, the ``value`` in m/s as a text, and the
-        ``text`` with unit and stated error.
+        ``text`` with unit and stated error. Fronts have six digits, pieces four.
     """
     outcome = facts["outcome"]
     digits = 4

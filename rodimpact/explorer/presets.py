@@ -23,7 +23,12 @@ class Preset(NamedTuple):
 
 
 def presets() -> list[Preset]:
-    """The collisions of the textbook's box 10.4, and three more."""
+    """The six collisions with which a user of the page may begin.
+
+    They are the rods of the textbook's box 10.4 (identical, on a wall, of different
+    length), equal transit times, a Hopkinson bar, and a chain of five rods. The strings
+    are texts of the page; each case has gauges in the middles of some rods.
+    """
     return [
         Preset(
             "identical",

@@ -26,13 +26,13 @@ EARLY = 0.75
 def reason_of(facts: Any, e: str) -> list[str]:
     """Sentence on the contact force, and sentence on the velocities that follow.
 
-    The first one says, too, why an outcome is not final: its status is the first note.
+    If the outcome is not final, the first text also has the first note, which says why.
 
     Parameters
     ----------
     facts : dict
-        The parameter `solved` of `page_data`, with the ``bodies`` and ``contacts`` that
-        it shows.
+        The parameter `solution` of `page_data`, with the ``bodies`` and ``contacts``
+        that it shows.
     e : str
         The coefficient of restitution as it is written; "" if there is none.
     """
@@ -58,30 +58,33 @@ def reason_of(facts: Any, e: str) -> list[str]:
 
 
 def value_at(series: Any, t: float) -> float:
-    """Value of a curve at a time, on straight lines between its points.
+    """Value of a curve at a time, by straight lines between its points.
 
-    Before its first point and after its last one it keeps their values.
+    At a jump, where two points have one time, it is the value after the jump. Before
+    the first point and after the last one, the curve keeps the values there.
     """
     times = series["t"]
     values = series["y"]
+    # The last point i that is not later than t, but not the last of all
     i = max(0, min(len(times) - 2, bisect_right(times, t) - 1))
     width = times[i + 1] - times[i]
-    fraction = 1.0
+    fraction = 1.0  # of the way from point i to the next; all of it at a jump
     if width > 0:
         fraction = max(0.0, min(1.0, (t - times[i]) / width))
     return float(values[i] + (values[i + 1] - values[i]) * fraction)
 
 
 def spells_of(contact: Any) -> list[Any]:
-    """Spells of a contact, each with its state and its times, s.
+    """Intervals of time in which a contact keeps one state, in order.
 
-    Force and gap in the middle between two points of their curves tell the state there;
-    neighbouring intervals with the same state are one spell.
+    The force and the gap half-way between two neighbouring points of their curves tell
+    the state between these points. A contact that does not press is open if its gap is
+    not negligible. Neighbouring intervals with the same state are joined.
 
     Returns
     -------
     list of dict
-        With ``state``, "open", "touching" or "pressing", ``from`` and ``to``.
+        With ``state``, "open", "touching" or "pressing"; ``from`` and ``to``, s.
     """
     force = contact["force"]
     gap = contact["gap"]
@@ -99,8 +102,9 @@ def spells_of(contact: Any) -> list[Any]:
             state = "pressing"
         elif value_at(gap, middle) > zero_gap:
             state = "open"
-        if t > before and len(spells) > 0 and spells[-1]["state"] == state:
-            spells[len(spells) - 1]["to"] = t
+        is_continued = len(spells) > 0 and spells[-1]["state"] == state
+        if t > before and is_continued:
+            spells[len(spells) - 1]["to"] = t  # JavaScript cannot assign to [-1]
         elif t > before:
             spells.append({"from": before, "to": t, "state": state})
         before = t
@@ -108,13 +112,13 @@ def spells_of(contact: Any) -> list[Any]:
 
 
 def peak_of(values: Any) -> float:
-    """Largest magnitude of numbers."""
+    """Largest absolute value of numbers, of which there must be one."""
     peak: float = max([abs(value) for value in values])
     return peak
 
 
 def presses_of(contact: Any) -> list[Any]:
-    """Spells in which a contact presses."""
+    """Those of the `spells_of` a contact in which it presses, in order."""
     presses = []
     for spell in spells_of(contact):
         if spell["state"] == "pressing":
@@ -135,10 +139,14 @@ def pair_of(facts: Any, contact: Any) -> str:
 
 
 def events_of_chain(facts: Any, pressed: list[Any]) -> str:
-    """Sentence on the first and the last force of several contacts."""
+    """Sentence on the first and the last force of the contacts that pressed.
+
+    It names the contact that presses first, and the one whose force ends last, with
+    both times.
+    """
     first = pressed[0]
     last = pressed[0]
-    start = -1.0
+    start = -1.0  # negative until a force is found
     end = -1.0
     for contact in pressed:
         for spell in presses_of(contact):
@@ -156,9 +164,12 @@ def events_of_chain(facts: Any, pressed: list[Any]) -> str:
 
 
 def events_of_contact(facts: Any, contact: Any) -> str:
-    """Sentence on the force of the only contact that can open: begin, falls and end.
+    """Sentence on how the force of the only contact that can open ends, and why.
 
-    In an exact run it adds when the bodies part, if that is after the last force.
+    There are four cases: it presses to the end of the run; a smooth solution, see
+    `end_of_smooth_force`; the bodies part and meet again; else a wave ends the force,
+    see `end_by_wave`. In an exact run the sentence adds when the bodies part, if that
+    is after the last force.
     """
     spells = spells_of(contact)
     presses = presses_of(contact)
@@ -190,16 +201,16 @@ def events_of_contact(facts: Any, contact: Any) -> str:
 
 
 def end_of_smooth_force(facts: Any, contact: Any, presses: list[Any]) -> str:
-    """Words on the force of a smooth solution: its duration, and its weak tail.
+    """Words on the duration of the force of a smooth solution, without a full stop.
 
-    If the contact is compliant, it says that no single wave ends the force. (A rigid
-    contact comes here too if a body is a rigid mass, or if the case names
-    characteristics.)
+    They say when `MAIN_IMPULSE` of the impulse had come if the rest is a weak tail, and
+    that no single wave ends the force if the contact is compliant. (A rigid contact has
+    a smooth solution if a body is a rigid mass, or if the case names characteristics.)
     """
     start = presses[0]["from"]
     duration = presses[-1]["to"] - start
-    # The outcome has it more exactly than the curve, but without the time between two
-    # presses.
+    # The duration of the outcome is more exact than that of the curve, but it leaves
+    # out the time between two presses.
     if len(presses) == 1:
         duration = facts["outcome"]["contacts"][contact["index"]].duration
     time = format_quantity(duration, "s", 4)
@@ -207,17 +218,21 @@ def end_of_smooth_force(facts: Any, contact: Any, presses: list[Any]) -> str:
     text = f"{text}{in_transits(facts, contact, duration)}"
     if contact["compliant"]:
         text = f"{text}; no single wave ends it"
-    early = main_impulse_time(contact["force"]) - start
-    if early < EARLY * duration:
+    main_duration = main_impulse_time(contact["force"]) - start
+    if main_duration < EARLY * duration:
         text = (
             f"{text}; {100 * MAIN_IMPULSE:.3g} % of the impulse came in the first "
-            f"{format_quantity(early, 's', 4)}"
+            f"{format_quantity(main_duration, 's', 4)}"
         )
     return text
 
 
 def end_by_wave(facts: Any, contact: Any, start: float, end: float) -> str:
-    """Words on a force that a returning wave ends, and on the waves that lower it."""
+    """Words on the returning wave that ends a force, without a full stop.
+
+    If the force falls before, a sentence on the first wave that lowers it comes first.
+    `start` and `end` are those of the force, s.
+    """
     puller = "a contact"
     if any(body["kind"] == "wall" for body in bodies_of(facts, contact)):
         puller = "a wall"
@@ -225,34 +240,36 @@ def end_by_wave(facts: Any, contact: Any, start: float, end: float) -> str:
     text = f"{wave} and the force ends, since {puller} cannot pull"
     times = contact["force"]["t"]
     values = contact["force"]["y"]
-    edge = NEGLIGIBLE * (end - start)
-    falls = []  # points of the curve just after the force has fallen
+    margin = NEGLIGIBLE * (end - start)
+    falls = []  # indices of the points of the curve just after the force has fallen
     for k, t in enumerate(times):
-        is_inside = start + edge < t < end - edge
+        is_inside = start + margin < t < end - margin
+        # The first point is never inside, so that k - 1 is not negative.
         if is_inside and values[k] < (1 - NEGLIGIBLE) * values[k - 1]:
             falls.append(k)
     if len(falls) == 0:
         return text
     k = falls[0]
     wave = returning_wave(facts, contact, times[k] - start)
-    later = ""
+    ratio = values[k] / values[k - 1]
+    more_falls = ""
     if len(falls) > 1:
-        later = ", and so do later waves"
+        more_falls = ", and so do later waves"
     return (
-        f"{wave} and lowers the force to {values[k] / values[k - 1]:.3g} times its "
-        f"value{later}; contact goes on. {text}"
+        f"{wave} and lowers the force to {ratio:.3g} times its value{more_falls}; "
+        f"contact goes on. {text}"
     )
 
 
 def main_impulse_time(force: Any) -> float:
     """Time at which `MAIN_IMPULSE` of the impulse of a force has come, s.
 
-    It is a point of the curve of the force; the impulse up to each point is taken by
-    the trapezoidal rule.
+    It is the time of the first point of the curve up to which the impulse is more than
+    this part, or of the last point. Impulses are computed by the trapezoidal rule.
     """
     times = force["t"]
     values = force["y"]
-    impulses = [0.0]
+    impulses = [0.0]  # up to each point of the curve, N s
     for k in range(1, len(times)):
         step = (values[k] + values[k - 1]) * (times[k] - times[k - 1]) / 2
         impulses.append(impulses[k - 1] + step)
@@ -261,9 +278,12 @@ def main_impulse_time(force: Any) -> float:
 
 
 def returning_wave(facts: Any, contact: Any, after: float) -> str:
-    """Words on the wave that arrives at a contact some seconds after the first touch.
+    """Subject and verb on the wave that arrives `after` seconds after the first touch.
 
-    It is the wave of the rod for which after/(2 T) is the smallest whole number.
+    It is the wave of the body beside the contact that then has made the fewest whole
+    `round_trips`: "Rod 1's wave returns after 80 µs". If both have made one, it is
+    "Each rod's wave returns ..."; if neither has, "After 80 µs a wave arrives". After
+    several round trips their number is added, between commas. There is no full stop.
     """
     time = format_quantity(after, "s", 4)
     name = ""
@@ -285,7 +305,10 @@ def returning_wave(facts: Any, contact: Any, after: float) -> str:
 
 
 def round_trips(body: Any, time: float) -> int:
-    """Round trips of a wave in a uniform rod in a time; 0 if they are not whole."""
+    """Whole number of round trips of a wave in a uniform rod in a time, s.
+
+    It is 0 if the number is not whole, and for stepped rods, masses and walls.
+    """
     if len(body["segments"]) != 1:
         return 0
     ratio = time / (2 * body["segments"][0]["transit_time"])
@@ -296,9 +319,10 @@ def round_trips(body: Any, time: float) -> int:
 
 
 def in_transits(facts: Any, contact: Any, duration: float) -> str:
-    """Words on a duration, in transit times of the rod of a contact that has less.
+    """A duration, s, in transit times of a rod: ", 2 transit times of rod 1".
 
-    They are ", 2 transit times of rod 1"; "" without a rod.
+    Of the two bodies of the contact the rod with the shorter transit time is taken. The
+    text is "" if neither is a rod.
     """
     shortest = 0.0
     text = ""
@@ -318,7 +342,8 @@ def in_transits(facts: Any, contact: Any, duration: float) -> str:
 def result_of(facts: Any, pressed: list[Any], e: str) -> str:
     """Sentence on the impulse, the velocities, e, and the vibration energy.
 
-    Impulse and e are told if there is only one contact that can open, and it pressed.
+    It has the impulse and e only if there is one contact that can open, and it pressed.
+    It leaves the vibration energy out if there is no energy at all.
     """
     outcome = facts["outcome"]
     velocities = velocities_of(facts)
@@ -330,9 +355,9 @@ def result_of(facts: Any, pressed: list[Any], e: str) -> str:
         text = f"{all_but_last} and {text}"
         noun = "velocities"
         verb = "are"
-    # Those that pressed are tables of contacts, those that can open are their numbers.
-    if len(pressed) == 1 and len(outcome["unilateral"]) == 1:
-        tally = outcome["contacts"][pressed[0]["index"]]
+    n_can_open = len(outcome["unilateral"])
+    if len(pressed) == 1 and n_can_open == 1:
+        tally = outcome["contacts"][pressed[0]["index"]]  # a ContactTally
         impulse = format_quantity(tally.impulse, "N s", 4)
         text = f"The impulse of {impulse} changes the mean {noun} to {text}"
         if e != "":
@@ -352,7 +377,10 @@ def result_of(facts: Any, pressed: list[Any], e: str) -> str:
 
 
 def velocities_of(facts: Any) -> list[str]:
-    """Velocities of rods and masses after the collision, as texts."""
+    """Velocities of rods and masses after the collision, as texts with four digits.
+
+    Round-off is written as 0.
+    """
     after = facts["outcome"]["after"]
     fastest = peak_of([*facts["outcome"]["before"], *after])
     texts = []
@@ -363,7 +391,10 @@ def velocities_of(facts: Any) -> list[str]:
 
 
 def kinetic_energy(facts: Any) -> float:
-    """Energy of the centre-of-mass motions after the collision, J: sum(m V^2/2)."""
+    """Energy of the centre-of-mass motions after the collision, J.
+
+    It is sum(m V^2/2) over all bodies; a wall counts with the mass 0.
+    """
     after = facts["outcome"]["after"]
     energy = 0.0
     for i, body in enumerate(facts["bodies"]):
@@ -372,10 +403,12 @@ def kinetic_energy(facts: Any) -> float:
 
 
 def ratio_named(facts: Any) -> str:
-    """The ratio of lengths or transit times that equals e, such as " = l₁/l₂", or "".
+    """The ratio of lengths or transit times that e equals, such as " = l₁/l₂", or "".
 
-    It does so for two uniform rods of one impedance, in rigid contact and without
-    vibration before. The letter is l for lengths and T for transit times.
+    e equals the shorter transit time over the longer one for two uniform rods of one
+    impedance, in rigid contact and without vibration before. The letter is T, or l for
+    lengths if the wave speeds are equal too. "" is returned for any other row, and if e
+    does not have this value.
     """
     bodies = facts["bodies"]
     if len(bodies) != 2 or facts["contacts"][0]["compliant"]:
@@ -398,7 +431,7 @@ def ratio_named(facts: Any) -> str:
     if abs(facts["outcome"]["restitution"] - ratio) > NEGLIGIBLE:
         return ""
     letter = "T"
-    if is_same(left["wave_speed"], right["wave_speed"]):
+    if is_same(left["wave_speed"], right["wave_speed"]):  # then l1/l2 = T1/T2
         letter = "l"
     return f" = {letter}{short}/{letter}{long}"
 

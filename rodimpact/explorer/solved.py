@@ -39,15 +39,15 @@ def scene_of(
     library : dict
         Tables of the materials that the case may name.
     tolerance : float
-        Of the pieces of waves between compliant contacts. The stated errors say how
-        accurate the results are.
+        Of the pieces of waves, if characteristics solve the case. The stated errors say
+        how accurate the results are.
     seconds : float
-        Time after which runs are given up.
+        Time after which runs by characteristics are given up.
 
     Returns
     -------
     dict
-        As `page_data` makes it; or one with a ``problem``, path and sentence.
+        That of `page_data`; or one with a ``problem``, path and sentence.
     """
     system = system_of(case, library)
     request = request_of(case)
@@ -61,9 +61,9 @@ def scene_of(
 
 
 def scene_of_solution(system: Any, gauges: Any, solution: Any) -> Any:
-    """All that the page shows of a solved collision.
+    """All that the page shows of a solved collision, see `page_data`.
 
-    The solution gets two more entries for `page_data`, ``exact`` and ``gauges``.
+    `solution` is changed: it gets the entries ``exact`` and ``gauges``.
 
     Parameters
     ----------
@@ -78,6 +78,7 @@ def scene_of_solution(system: Any, gauges: Any, solution: Any) -> Any:
     records = []
     for gauge in gauges:
         location = locate_gauge(system, gauge)
+        # Index in the row of the first segment of the body; spans count from 1.
         first_segment = motion["row"].spans[gauge["body"]][0] - 1
         curve = gauge_curve(motion, first_segment + location.segment, location.x)
         curve["name"] = location.name
@@ -93,23 +94,28 @@ def scene_of_solution(system: Any, gauges: Any, solution: Any) -> Any:
 
 
 def restitution_of_case(case: Any, library: Any, seconds: float = math.inf) -> Any:
-    """e of a case, without its stated error, as quickly as a curve needs it.
+    """e of a case, quickly, as curves and maps of many cases need it.
 
-    It is None where there is no e, where the page cannot solve the case, and where its
-    run takes longer than so many seconds.
+    There is one run, without stated error. The result is None if there is no e, the
+    page cannot solve the case, or a run by characteristics takes longer than `seconds`.
     """
     row = build_row(system_of(case, library))
     request = request_of(case)
+    no_status = ""  # nobody reads why the run ended
     if is_smooth(case):
         deadline = monotonic() + seconds
-        run = pieces.run_of(row, request, MAP_TOLERANCE, False, None, deadline)
+        keep_waves = False
+        no_earlier_run = None
+        run = pieces.run_of(
+            row, request, MAP_TOLERANCE, keep_waves, no_earlier_run, deadline
+        )
         if "problem" in run:
             return None
-        no_errors = [0.0] * 5
-        return pieces.outcome_of(run, no_errors, "")["restitution"]
+        no_errors = [0.0] * 5  # one for each measure
+        return pieces.outcome_of(run, no_errors, no_status)["restitution"]
     run = fronts.new_run(lay_out_family(row))
-    run_past_proof = False  # e is final by then
+    run_past_proof = False  # e is final at the proof
     fronts.run_to_end(request, run_past_proof, run)
     if run.record.stop_reason >= Stop.OVERFLOW:  # there is no result
         return None
-    return fronts.outcome_of(run, "")["restitution"]
+    return fronts.outcome_of(run, no_status)["restitution"]

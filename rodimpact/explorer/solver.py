@@ -54,7 +54,10 @@ PROVIDED = {
 
 @functools.cache
 def script() -> str:
-    """The solver as a file of the page."""
+    """The solver as a script of the page: the object `solver` with `FUNCTIONS`.
+
+    It is translated from Python once and kept.
+    """
     names = ", ".join(function.__name__ for function in FUNCTIONS)
     text = javascript(FUNCTIONS, CONSTANTS, PROVIDED)
     return (

@@ -28,10 +28,9 @@ RANGES = {
 }
 """Smallest and largest number of each sign."""
 VALUE = ", got {0!r}"
-"""End of a message of the model, which shows the value; the page shows it in its own
-way.
-"""
+"""End of a message of the model with the value, which the page writes itself."""
 OUT_OF_SCALE_PAGE = OUT_OF_SCALE.removesuffix(VALUE)
+"""Message for a number whose size is out of scale, without the value."""
 NUMBERS = {law.law: list(law.fields) for law in LAWS}
 """Numbers of each contact law, by its word."""
 LACKING_ENTRIES = {
@@ -57,7 +56,7 @@ SEGMENT_ENTRIES = ["length", "area", "material"]
 MATERIAL_ENTRIES = ["youngs_modulus", "density", "poisson_ratio"]
 END_ENTRIES = ["kind", "value"]
 MAX_PAGE_EVENTS = 20_000
-"""Fronts that arrive at an end: an answer comes while a slider is dragged."""
+"""Cap on events of a run: few enough for an answer while a slider is dragged."""
 
 
 class Rule(NamedTuple):
@@ -79,15 +78,19 @@ class Mistake(NamedTuple):
 
 
 def _rules_of(fields: dict[str, QuantityField], names: list[str]) -> dict[str, Rule]:
-    """Rules of some fields of the model, by name."""
+    """Rules of the fields of the model that have these names, by name.
+
+    The sentence of a rule has no unit; if the model's sentence names the unit, the rule
+    has it in words.
+    """
     rules = {}
     for name in names:
         field = fields[name]
         smallest, largest = RANGES[field.sign]
         wanted = field._replace(unit="").wanted.removesuffix(VALUE)
         unit = ""
-        names_unit = field.wanted.removesuffix(VALUE) != wanted
-        if names_unit:
+        sentence_has_unit = field.wanted.removesuffix(VALUE) != wanted
+        if sentence_has_unit:
             unit = of_unit(field.unit)
         rules[name] = Rule(smallest, largest, wanted, unit)
     return rules
@@ -124,7 +127,7 @@ def is_smooth(case: Any) -> bool:
 
 
 def contacts_in(case: Any) -> Any:
-    """Tables of all contacts; without any in the case, an empty one for each pair."""
+    """Tables of all contacts; an empty one for each pair if the case has none."""
     return case.get("contacts", [{}] * (len(case["bodies"]) - 1))
 
 
@@ -134,7 +137,10 @@ def rods_in(case: Any) -> list[int]:
 
 
 def segments_of(body: Any) -> Any:
-    """Tables with the segments of a body; none of a wall or a mass."""
+    """Tables with the segments of a body: its own table for a uniform rod.
+
+    A wall or a mass has none: [].
+    """
     if "segments" in body:
         return body["segments"]
     if body["kind"] == "rod":
@@ -154,7 +160,11 @@ class Entries(NamedTuple):
 
 
 def lacking(case: Any) -> tuple[str, str]:
-    """Path and name of the first physics that the page cannot solve; "", "" if none."""
+    """Path and name of the first physics that the page cannot solve.
+
+    Options come first, then bodies, contacts, and entries of tables. Both are "" if the
+    page can solve the case.
+    """
     path, name = lacking_in_options(case)
     if name == "":
         path, name = lacking_in_bodies(case)
@@ -166,7 +176,10 @@ def lacking(case: Any) -> tuple[str, str]:
 
 
 def lacking_in_options(case: Any) -> tuple[str, str]:
-    """Path and name of a method that the page does not have, or of gravity."""
+    """Path and name of a method that the page does not have, or else of gravity.
+
+    Both are "" if the case asks for neither.
+    """
     method = case.get("solve", {}).get("method", "auto")
     if method not in ("auto", "fronts", "characteristics"):
         return "solve.method", f'the method "{method}"'
@@ -176,7 +189,7 @@ def lacking_in_options(case: Any) -> tuple[str, str]:
 
 
 def lacking_in_bodies(case: Any) -> tuple[str, str]:
-    """Path of the first rigid mass, and the name of that physics, which fronts lack.
+    """Path of the first rigid mass, and name of this physics, if fronts solve the case.
 
     Both are "" if there is no mass, or if characteristics solve the case.
     """
@@ -188,7 +201,11 @@ def lacking_in_bodies(case: Any) -> tuple[str, str]:
 
 
 def lacking_in_contacts(case: Any) -> tuple[str, str]:
-    """Path and name of a contact law that the page does not have for this contact."""
+    """Path of the first contact whose law the page cannot solve, and name of the law.
+
+    These are unknown laws, compliant laws if fronts are to solve the case, and bonds of
+    two rigid bodies. Both are "" if there are none.
+    """
     smooth = is_smooth(case)
     for i, contact in enumerate(case.get("contacts", [])):
         path = f"contacts.{i}"
@@ -208,9 +225,10 @@ def has_rod(case: Any, i: int) -> bool:
 
 
 def lacking_in_entries(case: Any) -> tuple[str, str]:
-    """Path of an entry that the page cannot solve, and name of its physics.
+    """Path of the first entry of a table that the page cannot solve, and its physics.
 
-    This is a number or a profile in any table of the case.
+    An entry is a number or a profile, see `lacking_entry`. Both are "" if there is
+    none.
     """
     smooth = is_smooth(case)
     for entries in entries_of(case):
@@ -224,7 +242,9 @@ def lacking_in_entries(case: Any) -> tuple[str, str]:
 def lacking_entry(key: str, value: Any, allowed: list[str], smooth: bool) -> str:
     """Name of the physics that an entry needs and the page lacks; "" if none.
 
-    An entry that is 0 needs none. Of profiles the page has steps, for fronts only.
+    `allowed` are the keys that the page can solve, `smooth` says that characteristics
+    solve the case. An entry that is None or 0 needs no physics. Sampled profiles are
+    always refused, steps if `smooth`, and other entries unless `allowed`.
     """
     if value is None or value == 0:
         return ""
@@ -240,7 +260,10 @@ def lacking_entry(key: str, value: Any, allowed: list[str], smooth: bool) -> str
 
 
 def entries_of(case: Any) -> list[Entries]:
-    """All tables of a case with the entries that the page can solve in them."""
+    """All tables of a case, each with the names of the entries that the page can solve.
+
+    Materials that no rod uses are left out.
+    """
     tables = []
     used_materials = []
     for i, body in enumerate(case["bodies"]):
@@ -276,7 +299,9 @@ class RuledTable(NamedTuple):
 
 
 def mistakes(case: Any, gauges: Any, library: Any) -> list[Mistake]:
-    """Mistakes in a case whose physics the page can solve.
+    """Mistakes in a case whose physics the page can solve; [] if there are none.
+
+    Mistakes of structure come first, then wrong numbers.
 
     Parameters
     ----------
@@ -294,19 +319,23 @@ def mistakes(case: Any, gauges: Any, library: Any) -> list[Mistake]:
         *mistakes_of_contacts(case),
     ]
     all_mistakes = []
+    no_unit = ""
+    no_value = None
     for path, message in problems:
-        all_mistakes.append(Mistake(path, message, "", None))
+        all_mistakes.append(Mistake(path, message, no_unit, no_value))
     for ruled in ruled_tables(case, gauges):
         for key, rule in RULES[ruled.kind].items():
             path = f"{ruled.path}.{key}"
-            all_mistakes.extend(
-                mistakes_of_number(path, ruled.table.get(key, 0.0), rule)
-            )
+            value = ruled.table.get(key, 0.0)
+            all_mistakes.extend(mistakes_of_number(path, value, rule))
     return all_mistakes
 
 
 def mistakes_of_row(case: Any) -> list[Any]:
-    """Mistakes (path, message): a row without rods, a wrong number of contacts."""
+    """Mistakes (path, message): a row without rods, a wrong number of contacts.
+
+    There must be one contact for each neighbouring pair of bodies.
+    """
     problems = []
     n_pairs = len(case["bodies"]) - 1
     if len(rods_in(case)) == 0:
@@ -318,21 +347,27 @@ def mistakes_of_row(case: Any) -> list[Any]:
 
 
 def mistakes_of_gauges(case: Any, gauges: Any) -> list[Any]:
-    """Mistakes (path, message): gauges on no rod, an end of the run not above 0."""
+    """Mistakes (path, message): gauges not on a rod, an end of the run not above 0.
+
+    The end must also be a finite number; a case without one has no mistake.
+    """
     problems = []
     rods = rods_in(case)
     for i, gauge in enumerate(gauges):
         if gauge["body"] not in rods:
             problems.append((f"gauges.{i}.body", "must be the number of a rod"))
-    until = case.get("solve", {}).get("until", 1.0)  # none is no mistake
-    # In JavaScript every number counts as a float; an entry that is none is a text.
+    until = case.get("solve", {}).get("until", 1.0)  # a right one if there is none
+    # In JavaScript every number counts as a float; a wrong entry may be a text.
     if not isinstance(until, float) or not math.isfinite(until) or until <= 0:
         problems.append(("solve.until", "must be above 0 for a picture"))
     return problems
 
 
 def mistakes_of_bodies(case: Any, library: Any) -> list[Any]:
-    """Mistakes (path, message): walls inside the row, and materials not declared."""
+    """Mistakes (path, message): walls inside the row, and unknown materials.
+
+    A material is known if the case declares it or it is in the library.
+    """
     problems = []
     bodies = case["bodies"]
     declared = case.get("materials", {})
@@ -357,7 +392,10 @@ def segment_path(body: Any, i: int, j: int) -> str:
 
 
 def mistakes_of_contacts(case: Any) -> list[Any]:
-    """Mistakes (path, message): rigid impacts without restitution, bonds with a gap."""
+    """Mistakes (path, message): rigid impacts without restitution, bonds with a gap.
+
+    A rigid impact is that of a mass with a mass or a wall, in rigid contact.
+    """
     problems = []
     kinds = [body["kind"] for body in case["bodies"]]
     for i, contact in enumerate(case.get("contacts", [])):
@@ -377,8 +415,9 @@ def mistakes_of_contacts(case: Any) -> list[Any]:
 def ruled_tables(case: Any, gauges: Any) -> list[RuledTable]:
     """All tables whose numbers have rules, each with its path and its kind of rules.
 
-    They are those of materials, gauges, bodies, segments and contacts. A rod occurs as
-    a body, and with each segment; a contact by its gap, and by its law.
+    They are those of materials, gauges, bodies, segments and contacts. A uniform rod
+    occurs twice, as a body and as its segment; each contact occurs twice, with the rule
+    of its gap and with those of its law.
     """
     tables = []
     for name, material in case.get("materials", {}).items():
@@ -398,23 +437,26 @@ def ruled_tables(case: Any, gauges: Any) -> list[RuledTable]:
 
 
 def mistakes_of_number(path: str, value: Any, rule: Any) -> list[Mistake]:
-    """List with the mistake of a wrong number; empty if it is right, or a profile.
+    """List with the mistake of a wrong number; [] if it is right, or a profile.
 
-    Numbers are wrong outside the range of their rule, and so are those other than 0
-    whose size is out of scale.
+    A number is wrong if it is not finite, outside the range of its rule, or neither 0
+    nor of a size from `SMALLEST` to `LARGEST`. A value that is no number is wrong too.
     """
     if isinstance(value, dict):
         return []
     smallest, largest, wanted, unit = rule
+    no_unit = ""
+    no_value = None  # these messages are complete
     if not isinstance(value, float):
-        return [Mistake(path, f"{wanted}{unit}, got no number", "", None)]
+        return [Mistake(path, f"{wanted}{unit}, got no number", no_unit, no_value)]
     if not math.isfinite(value):
-        return [Mistake(path, f"{wanted}{unit}, got {value:.6g}", "", None)]
+        return [Mistake(path, f"{wanted}{unit}, got {value:.6g}", no_unit, no_value)]
     if not smallest <= value <= largest:
         return [Mistake(path, wanted, unit, value)]
-    if value == 0 or SMALLEST <= abs(value) <= LARGEST:
+    is_in_scale = value == 0 or SMALLEST <= abs(value) <= LARGEST
+    if is_in_scale:
         return []
-    return [Mistake(path, OUT_OF_SCALE_PAGE, "", value)]
+    return [Mistake(path, OUT_OF_SCALE_PAGE, no_unit, value)]
 
 
 # A case as a system -------------------------------------------------------------------
@@ -492,8 +534,8 @@ class RunRequest(NamedTuple):
 def system_of(case: Any, library: Any) -> PageSystem:
     """System of a case without mistakes that the page can solve.
 
-    Ends that the case does not name are free; materials of the case go before those of
-    the library.
+    Ends that the case does not name are free. A material of the case replaces one of
+    the library with the same name.
     """
     materials = {**library, **case.get("materials", {})}
     bodies = [body_of(body, materials) for body in case["bodies"]]
@@ -506,21 +548,25 @@ def system_of(case: Any, library: Any) -> PageSystem:
     left = end_of(ends.get("left", {"kind": "free"}))
     right = end_of(ends.get("right", {"kind": "free"}))
     gravity = 0.0  # the page solves no row in gravity or in soil
-    # False: no rod of the page has a shaft in soil.
-    return PageSystem(bodies, gaps, laws, gravity, [left, right], False)
+    has_shaft = False
+    return PageSystem(bodies, gaps, laws, gravity, [left, right], has_shaft)
 
 
 def request_of(case: Any) -> RunRequest:
-    """Options of the run of a case; the cap on events is at most that of the page."""
+    """Options of the run of a case; the cap on events is at most `MAX_PAGE_EVENTS`."""
     solve = case.get("solve", {})
+    until = solve.get("until", -1.0)  # negative if there is none
     max_events = solve.get("max_events", MAX_PAGE_EVENTS)
-    return RunRequest(solve.get("until", -1.0), min(max_events, MAX_PAGE_EVENTS))
+    return RunRequest(until, min(max_events, MAX_PAGE_EVENTS))
 
 
 def body_of(table: Any, materials: Any) -> PageBody:
-    """Body from its table; the mass of a rod is that of its segments."""
+    """Body from its table; the mass of a rod is the sum of those of its segments.
+
+    `materials` are tables by name.
+    """
     segments = []
-    mass = table.get("mass", 0.0)
+    mass = table.get("mass", 0.0)  # only a rigid mass has this entry
     for segment_table in segments_of(table):
         segment = segment_of(segment_table, materials)
         segments.append(segment)
@@ -531,7 +577,11 @@ def body_of(table: Any, materials: Any) -> PageBody:
 
 
 def segment_of(table: Any, materials: Any) -> PageSegment:
-    """Segment from its table, with c = sqrt(E/rho), Z = rho A c, T = l/c, m = Z T."""
+    """Segment from its table, and its wave speed, impedance, transit time and mass.
+
+    They are c = sqrt(E/rho), Z = rho A c, T = l/c and m = Z T. `materials` has tables
+    by name.
+    """
     name = table["material"]
     density = materials[name]["density"]
     youngs_modulus = materials[name]["youngs_modulus"]
@@ -545,14 +595,19 @@ def segment_of(table: Any, materials: Any) -> PageSegment:
 
 
 def law_of(contact: Any) -> PageContact:
-    """Contact law from its table; the exponent of springs is 1, else 1.5 by default."""
+    """Contact law from its table.
+
+    The exponent of springs and dashpots is 1. Of the numbers that the table lacks, any
+    other exponent is 1.5, the restitution is None, and the rest are 0.
+    """
     law = contact.get("law", "rigid")
     exponent = contact.get("exponent", 1.5)
     if law in ("spring", "spring-dashpot"):
         exponent = 1.0
+    opens = law != "bonded"
     return PageContact(
         law,
-        law != "bonded",  # whether it can open
+        opens,
         contact.get("restitution"),
         contact.get("stiffness", 0.0),
         exponent,

@@ -13,7 +13,7 @@ def name_of(kind: str, number: str) -> str:
 
 
 def capital(word: str) -> str:
-    """The word with a capital letter."""
+    """A text with its first letter as a capital; "" for ""."""
     return f"{word[:1].upper()}{word[1:]}"
 
 
@@ -25,17 +25,18 @@ def as_sentence(text: str) -> str:
 
 
 def format_quantity(value: float, unit: str, digits: int) -> str:
-    """A quantity with an SI prefix, such as "12.5 µs", in significant digits."""
+    """A quantity to `digits` significant digits with an SI prefix, such as "12 µs"."""
     number, _, prefixed = format_si(value, unit, digits).partition(" ")
-    if prefixed.startswith("u"):
+    if prefixed.startswith("u"):  # `format_si` writes micro as u
         prefixed = f"µ{prefixed[1:]}"
-    return f"{number} {prefixed}".strip()
+    return f"{number} {prefixed}".strip()  # there may be no unit
 
 
 def error_text(value: float, digits: int, error: float, unit: str) -> str:
-    """Text of the error of a value, if it is above half of the last digit; else "".
+    """Text of the error of a value in its unit, with one digit; "" if it is small.
 
-    `digits` are the significant ones with which the value is shown.
+    An error is small up to half of the last of the `digits` significant digits with
+    which the value is shown. The error of the value 0 is never shown.
     """
     if value == 0:
         return ""
@@ -47,9 +48,10 @@ def error_text(value: float, digits: int, error: float, unit: str) -> str:
 
 
 def with_error(text: str, value: float, digits: int, error: float, unit: str) -> str:
-    """Text of a value with its error, if this is above half of the last digit.
+    """`text` of a value followed by ± and its error; `text` alone for a small error.
 
-    `digits` are the significant ones in `text`; the error has its own unit.
+    `digits` is the number of significant digits in `text`. The error, whose text is
+    that of `error_text`, has a prefix of its own before the unit.
     """
     error_shown = error_text(value, digits, error, unit)
     if error_shown == "":

@@ -1,24 +1,26 @@
-"""Grids of points over place and time, for solutions that have no fronts.
+"""Grids of points in x and time, for solutions that have no fronts.
 
-Each segment has a grid. Between its points the displacement is linear, so that the
-cells cut at time t are the rods at time t; each cell has the mean state of its corners'
-displacements. Grids are a dictionary of lists. For each grid it has the ``body``, the
-number of cells ``across``, and the ``start`` of its points in ``x`` (m), ``t`` (s) and
-``displacement`` (m). For each cell it has ``velocity`` (m/s), ``strain`` and ``stress``
-(Pa). Cells and points are in rows, from t = 0 on. The page has these functions as
-JavaScript.
+Each segment has a grid. Displacements are linear between its points, so that the cells
+cut at time t are the rods at time t. Each cell has the mean velocity and strain that
+follow from the displacements of its corners.
+
+Grids are a dictionary of lists. For each grid it has the index of the ``body``, the
+number of cells ``across``, and the ``start`` of its points in the lists ``x`` (m),
+``t`` (s) and ``displacement`` (m). For each cell it has ``velocity`` (m/s), ``strain``
+and ``stress`` (Pa). Cells and points are in rows of equal time, from t = 0 on. The page
+has these functions as JavaScript.
 """
 
 from typing import Any
 
 CELLS = 2000
-"""Number of cells of all grids, about."""
+"""Approximate number of cells of all grids together."""
 ROWS = 50
-"""Number of cells over the time."""
+"""Number of rows of cells: each grid has as many cells in time."""
 
 
 def no_cells() -> Any:
-    """Grids without any cell: empty lists, and the start 0 of the first points."""
+    """Grids without any cell: empty lists, and the ``start`` 0 of the first grid."""
     return {
         "start": [0],
         "body": [],
@@ -33,9 +35,10 @@ def no_cells() -> Any:
 
 
 def across_of(system: Any, segment: Any) -> int:
-    """Number of cells along a segment, its share of the length of all rods.
+    """Number of cells along a segment, at least one.
 
-    All cells have about the same width; each segment has at least one.
+    It is proportional to the length of the segment: all cells of the row have about the
+    same width.
     """
     length_of_rods = 0.0
     for body in system.bodies:
@@ -49,7 +52,7 @@ def across_of(system: Any, segment: Any) -> int:
 def add_cells(
     grids: Any, body: int, segment: Any, left: float, end: float, rows: Any
 ) -> None:
-    """Add the grid of a segment of a body.
+    """Add the grid of a segment of a body to `grids`.
 
     Parameters
     ----------
@@ -61,8 +64,8 @@ def add_cells(
     end : float
         Last time, s.
     rows : list of list of float
-        Displacements, m, at places at equal distances, at equal steps of time from 0
-        on.
+        Displacements [time][point], m, at equal steps of time from 0 to the end, at
+        points with equal distances from the left to the right end.
     """
     L = segment.length
     across = len(rows[0]) - 1
@@ -82,16 +85,17 @@ def add_cells(
 def add_row_of_cells(
     grids: Any, segment: Any, before: list[float], now: list[float], step: float
 ) -> None:
-    """Add the mean states of the cells between two rows of displacements.
+    """Add the velocity, strain and stress of a row of cells to `grids`.
 
-    The rows are `step` seconds apart. A cell with the displacements u at its corners
-    has the strain du/dx and the velocity du/dt, each the mean over its two edges.
+    The cells are between the displacements `before` and `now`, m, which are `step`
+    seconds apart. A cell with the displacements u at its corners has the strain du/dx
+    and the velocity du/dt, each the mean over two opposite edges.
     """
     across = len(now) - 1
     for k in range(across):
         stretch = (now[k + 1] - now[k] + before[k + 1] - before[k]) / 2
         strain = stretch * across / segment.length  # a cell is length/across wide
-        both_rises = now[k] + now[k + 1] - before[k] - before[k + 1]
-        grids["velocity"].append(both_rises / 2 / step)
+        sum_of_changes = now[k] + now[k + 1] - before[k] - before[k + 1]
+        grids["velocity"].append(sum_of_changes / 2 / step)
         grids["strain"].append(strain)
         grids["stress"].append(strain * segment.material.youngs_modulus)

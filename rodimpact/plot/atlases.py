@@ -77,7 +77,8 @@ def atlas(plane: Atlas, ax: Axes | None = None) -> Picture:
     for path, low, high in (plane.x, plane.y):
         scales.append(_scale(plane.system, path, max(abs(low), abs(high))))
         edges.append(np.linspace(low, high, CELLS_PER_SIDE + 1))
-    e = plane.restitution(*np.meshgrid(middles(edges[0]), middles(edges[1])))
+    cell_x, cell_y = np.meshgrid(middles(edges[0]), middles(edges[1]))
+    e = plane.restitution(cell_x, cell_y)  # [y, x]
     least = 0.0
     if np.isfinite(e).any():
         least = float(np.nanmin(e))
@@ -87,9 +88,8 @@ def atlas(plane: Atlas, ax: Axes | None = None) -> Picture:
     ax = axes_or_new(ax, width=5.6, height=4.2)
     x = edges[0] * scales[0].factor
     y = edges[1] * scales[1].factor
-    norm = colors.Normalize(
-        least, max(1.0, least + 1e-3)
-    )  # a range of 0 has no colours
+    top = max(1.0, least + 1e-3)  # colours need a range above 0
+    norm = colors.Normalize(least, top)
     missing = "no value, or unresolved"
     cells = draw_cells(ax, (x, y), e.T, RISING, norm, missing)
     borders = _draw_borders(ax, plane, scales, kinds)
@@ -115,8 +115,9 @@ def _border_kinds(plane: Atlas) -> NDArray[np.int_]:
     Otherwise it is OTHER_CONTACTS if the regions on both sides are resolved and differ
     in their contacts.
     """
-    contacts = dict(enumerate(plane.contacts))  # an unresolved region, -1, has none
+    contacts = dict(enumerate(plane.contacts))  # by region; an unresolved one is -1
     kinds = np.full(len(plane.between), OTHER_FORMULA)
+    # The two regions on both sides of each border point
     for border, regions in enumerate(plane.between.tolist()):
         one_side = contacts.get(regions[0])
         other_side = contacts.get(regions[1])
@@ -138,7 +139,11 @@ def _border_kinds(plane: Atlas) -> NDArray[np.int_]:
 def _draw_borders(
     ax: Axes, plane: Atlas, scales: Sequence[Scale], kinds: NDArray[np.int_]
 ) -> list[collections.LineCollection]:
-    """Draw the borders, one collection of lines for each kind of border that occurs."""
+    """Draw the borders, one collection of lines for each kind of border that occurs.
+
+    `kinds` are those of the border points. Lines are thin where only the formula
+    changes, thick for other kinds, and have another colour where e = 1.
+    """
     factors = [scale.factor for scale in scales]
     lines = plane.lines * factors
     styles = {  # width, points, and colour
@@ -149,7 +154,8 @@ def _draw_borders(
     drawn = []
     for kind, style in styles.items():
         width, colour = style
-        segments = lines[kinds[plane.of_line] == kind]
+        kind_of_line = kinds[plane.of_line]  # that of a border point on it
+        segments = lines[kind_of_line == kind]
         if len(segments):
             border = collections.LineCollection(
                 segments,

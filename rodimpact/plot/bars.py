@@ -303,7 +303,10 @@ class Bars:
         return blocks
 
     def draw_masses(self) -> list[patches.Rectangle]:
-        """Draw a block for each rigid mass in each row; return the blocks."""
+        """Draw a block for each rigid mass in each row, and return the blocks.
+
+        A block is as wide as `mass_width` of the layout, and as high as a thick rod.
+        """
         width = self.layout.mass_width * self.x_scale.factor
         blocks: list[patches.Rectangle] = []
         for i, body in enumerate(self.system.bodies):
@@ -389,8 +392,8 @@ class Bars:
             )
             self.ax.annotate(
                 name,
-                (x[0], y[0]),
-                (0, -4),
+                xy=(x[0], y[0]),
+                xytext=(0, -4),
                 textcoords="offset points",
                 ha="center",
                 va="top",

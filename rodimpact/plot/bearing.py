@@ -69,6 +69,7 @@ def bearing(graph: BearingGraph, ax: Sequence[Axes] | None = None) -> Picture:
     order = np.argsort(graph["resistance"])
     resistance = graph["resistance"][order]
     blow_count = graph["blow_count"][order]
+    # It is not finite without set; NaN leaves a gap in the line.
     blow_count = np.where(np.isfinite(blow_count), blow_count, np.nan)
     if np.isnan(blow_count).all():
         message = "has no blow count: no blow has moved the toe for good"

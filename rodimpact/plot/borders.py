@@ -51,7 +51,10 @@ class Borders:
     """Draws the borders of the rods in a plane."""
 
     def __init__(self, plane: Plane, cut: Cut) -> None:
-        """Prepare to draw; `cut` tells where the paths of ends bend."""
+        """Keep the plane and `cut`, which knows where the paths of ends bend.
+
+        Nothing is drawn.
+        """
         self.plane = plane
         self.ax = plane.ax
         self.layout = plane.layout
@@ -61,7 +64,10 @@ class Borders:
         self.times = np.linspace(*plane.span, MAX_POINTS)
 
     def ends(self) -> collections.LineCollection:
-        """Draw the paths of the ends of all rods; absorbing ends are dashed lines."""
+        """Draw the paths of both ends of all rods, as one collection of lines.
+
+        Paths of absorbing ends are dashed.
+        """
         absorbing = self._absorbing_ends()
         paths = []
         styles = []
@@ -81,7 +87,7 @@ class Borders:
         )
 
     def _absorbing_ends(self) -> list[RowEnd]:
-        """Ends of the row through which waves leave for good."""
+        """The ends of the row that are `Absorbing`: none, one or both."""
         absorbing = []
         for outer, end in zip(self.layout.outer_ends(), self.system.ends, strict=True):
             if isinstance(end, Absorbing):
@@ -157,7 +163,11 @@ class Borders:
         return np.unique(np.clip(with_span, *self.plane.span))
 
     def springs(self) -> list[patches.Polygon]:
-        """Draw bands where springs are pressed, at compliant contacts that can open."""
+        """Draw bands where springs are pressed, at compliant contacts that can open.
+
+        A band fills the space between the ends of the spring while the gap is negative.
+        A contact has a band for each time that it is pressed; all bands are returned.
+        """
         bands = []
         for contact, start, stop in self.layout.springs(self.times):
             if not contact.law.opens:
@@ -197,7 +207,7 @@ class Borders:
         return bands
 
     def masses(self) -> list[patches.Polygon]:
-        """Draw dark strips along the paths of rigid masses."""
+        """Draw a dark strip for each rigid mass, between the paths of its two ends."""
         strips = []
         for i, body in enumerate(self.system.bodies):
             if isinstance(body, RigidMass):
@@ -213,7 +223,11 @@ class Borders:
         return strips
 
     def joints(self) -> list[patches.Polygon]:
-        """Draw hatched strips between the faces that joints hold together."""
+        """Draw a hatched strip for each joint, between the paths of its two faces.
+
+        In material coordinates the faces coincide: the dotted border of the strip is a
+        dotted line there.
+        """
         strips = []
         for i, law in enumerate(self.system.contacts):
             if isinstance(law, Joint):
@@ -259,11 +273,16 @@ class Borders:
         return lines
 
     def gauges(self, gauges: Mapping[str, Gauge]) -> list[Line2D]:
-        """Draw the paths of strain gauges; write the name of each at its beginning."""
+        """Draw the path of each strain gauge, and write its name where the path begins.
+
+        The name is upright beside a path that runs upward. The lines are returned.
+        """
+        # A border in the colour of the paper
         casing = [patheffects.withStroke(linewidth=2.4, foreground=colours().paper)]
-        turn: dict[str, Any] = {"rotation": 90, "ha": "right", "xytext": (-2, 3)}
+        # How a name stands at the beginning of its path; the shift is in points.
+        stand: dict[str, Any] = {"rotation": 90, "ha": "right", "xytext": (-2, 3)}
         if self.plane.across:
-            turn = {"rotation": 0, "ha": "left", "xytext": (3, 2)}
+            stand = {"rotation": 0, "ha": "left", "xytext": (3, 2)}
         lines: list[Line2D] = []
         for name, gauge in gauges.items():
             chosen = evenly(gauge.times.size, MAX_POINTS)
@@ -288,14 +307,15 @@ class Borders:
                 color=colours().ink,
                 path_effects=casing,
                 parse_math=False,
-                **turn,
+                **stand,
             )
         return lines
 
     def drives(self) -> list[Line2D]:
         """Draw `ARROWS_OF_DRIVE` arrow heads along the path of each driven end.
 
-        They point towards the row.
+        They are at equal times and point towards the row. The legend names the kind of
+        drive. Other ends have no arrow heads.
         """
         # The middles of equal parts of the span
         times = np.linspace(*self.plane.span, 2 * ARROWS_OF_DRIVE + 1)[1::2]

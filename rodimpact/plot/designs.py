@@ -64,8 +64,8 @@ def design(result: PulseDesign, ax: Axes | None = None) -> Picture:
     outline = None
     if ax is None and len(rod.segments) > 1:
         figure = new_figure(width=5.6, height=4.6)
-        above, ax = figure.subplots(2, 1, height_ratios=[1, 2.5]).tolist()
-        outline = _draw_silhouette(above, rod)
+        silhouette_ax, ax = figure.subplots(2, 1, height_ratios=[1, 2.5]).tolist()
+        outline = _draw_silhouette(silhouette_ax, rod)
     ax = axes_or_new(ax, width=5.6, height=3.4)
 
     def draw(signal: Signal, **style: Any) -> Line2D:
@@ -99,7 +99,11 @@ def design(result: PulseDesign, ax: Axes | None = None) -> Picture:
 
 
 def _reached(result: PulseDesign, segments: int) -> str:
-    """Name of the reached pulse, with its misfit and how many areas are at a limit."""
+    """Name of the reached pulse: "reached", its misfit, and areas at a limit.
+
+    A misfit too small to be seen is left out, and so are areas if none is at a limit.
+    `segments` is the number of areas.
+    """
     name = "reached"
     if result.misfit >= MIN_MISFIT:
         name += f", misfit {result.percent}"
@@ -126,7 +130,7 @@ def _draw_silhouette(ax: Axes, rod: Any) -> StepPatch:
         radii,
         x,
         fill=True,
-        baseline=-radii,
+        baseline=-radii,  # the lower side
         facecolor=colours().wall,
         edgecolor=colours().ink,
         linewidth=0.8,

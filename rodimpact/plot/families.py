@@ -183,10 +183,10 @@ def sweep(
 
     values = arranged(column).astype(float)
     largest = float(np.nanmax(np.abs(values)))
-    measured = quantity_of_column(result.system, quantity)
-    scale = scale_of(measured, largest)
-    if measured.unit == "m":  # a set or a displacement, in mm as in tables
-        scale = engineering(measured.name, largest, "m")
+    described = quantity_of_column(result.system, quantity)
+    scale = scale_of(described, largest)
+    if described.unit == "m":  # a set or a displacement, in mm as in tables
+        scale = engineering(described.name, largest, "m")
     is_count = column.dtype.kind in "iub"  # integers and booleans
     shown = ShownQuantity(quantity, values * scale.factor, scale, is_count)
     theory = None
@@ -231,7 +231,10 @@ def _column(result: SweepResult, quantity: str) -> NDArray[Any]:
 
 
 def _why_no_map(result: SweepResult, dimension: int) -> str:
-    """Why a family with members in no order has no map, with the remedy."""
+    """Error message for a map if members along a dimension are in no order.
+
+    The remedy is a picture of part of the family, such as ``system[0, :]``.
+    """
     index = ["0"] * len(result.shape)
     index[dimension] = ":"
     return (
@@ -292,7 +295,8 @@ def _draw_curve(
         style = COMPUTED | {"label": name}
         linestyle = "-"
         if axis.values.size > MAX_MARKED_POINTS:
-            # Marks lie on whole pixels: each beside the line would give it teeth.
+            # Marks are moved to whole pixels, so that many of them make a line jagged.
+            # Only values through which no line goes have one.
             style.update(marker=".", markersize=0.8, markevery=_alone(broken.y))
         elif closed_form is not None:
             linestyle = ""  # marks only
@@ -399,7 +403,7 @@ def _draw_scatter(ax: Axes, axis: FamilyAxis, shown: ShownQuantity) -> Picture:
         # borders from half a count below the least to half a count above the largest
         bins = np.arange(shown.low - 0.5, shown.high + 1.0)
         _set_count_ticks(ax.yaxis, shown)
-    _, _, histogram = bars.hist(
+    _, _, histogram = bars.hist(  # the numbers and borders of the bins are not needed
         values, bins, orientation="horizontal", color=colours().series[0], alpha=0.6
     )
     format_axes(bars, xlabel="members")
@@ -434,7 +438,7 @@ def _draw_map(
         contours = draw_contours(ax, grid, shown.values, palette, norm)
     lines: list[contour.QuadContourSet] = []
     named: list[artist.Artist | None] = []
-    # A wall or a rigid mass has an infinite impedance: it has nothing to be equal.
+    # A wall or a rigid mass has an infinite impedance: both bodies must be rods.
     if theory is not None and np.isfinite(theory.impedance).all():
         for equality in EQUALITIES:
             line = _draw_equality(ax, axes, shown, theory, equality)

@@ -89,7 +89,7 @@ def gauge(
 
     # What is drawn.
     series = colours().series
-    width = 2.5
+    width = 2.5  # of the faint line of the strain, under the lines of the waves
     if record.times.size <= MAX_BOLD_STEPS:
         width = 5.0
     strain = _draw_steps(
@@ -134,18 +134,18 @@ def gauge(
     format_axes(
         ax,
         xlim=(0, record.end * time.factor),
-        ylim=ax.get_ylim(),
+        ylim=ax.get_ylim(),  # now fixed: the windows will fill the height
         xlabel=time.label,
         ylabel=MICROSTRAIN.label,
     )
     windows = _shade(ax, pulses, record.end, time)
 
-    places = []
+    positions = []
     for each in records:
-        places.append(f"{each.name} at {x_scale(each.x).write(each.x)}")
-    lines = (strain, rightward, leftward, beyond, *windows.values())
-    title = f"gauge on {joined_by_and(places)}"
-    legend_above(ax, lines, title=title)
+        positions.append(f"{each.name} at {x_scale(each.x).write(each.x)}")
+    named = (strain, rightward, leftward, beyond, *windows.values())
+    title = f"gauge on {joined_by_and(positions)}"
+    legend_above(ax, named, title=title)
     picture = Picture(
         ax=ax,
         strain=strain,
@@ -157,7 +157,7 @@ def gauge(
 
     def write_words() -> None:
         """Fit the legend to the final width."""
-        legend_above(ax, lines, title=title)
+        legend_above(ax, named, title=title)
 
     return finish(Draft(picture, write_words))
 

@@ -104,7 +104,8 @@ def contact(
     chosen = []
     if contact is not None:
         chosen = array("contact", contact, "").ravel().tolist()
-    if not chosen or not set(chosen) <= set(range(count)):
+    all_exist = set(chosen) <= set(range(count))
+    if not chosen or not all_exist:
         allowed = "given only where there are two bodies"
         if count:
             allowed = f"from 0 to {count - 1}"
@@ -116,9 +117,10 @@ def contact(
 def draft_contact(
     solution: Solution, ax: Sequence[Axes] | None, contacts: Sequence[int]
 ) -> Draft:
-    """Draft of `contact` for the contacts of these indices: all but labels and marks.
+    """Draft of `contact` for the contacts of these indices: all curves, without marks.
 
-    The marks of force ends and openings are written for a single contact only.
+    Several contacts have a legend. Its function labels the axes again when the sizes of
+    the Axes are final, and marks force ends and openings of a single contact.
     """
     force_ax, gap_ax = two_axes_or_new(ax, "force and gap", height=4.2, ratios=(1, 1))
 
@@ -316,9 +318,10 @@ class ContactCurves:
     """
 
     def __init__(self, solution: Solution, contacts: Sequence[int]) -> None:
-        """Measure forces and gaps of the contacts with these indices.
+        """Measure forces and gaps of the contacts with these indices, until the end.
 
-        The curves are thinned. The force of impacts is a mean over intervals, which the
+        Long curves are thinned to their extreme values. A contact of rigid bodies,
+        whose impacts take no time, has the mean force over equal intervals, which the
         name of the axis states.
         """
         numbers = contact_names(solution.system.kinds)
@@ -408,8 +411,8 @@ class ContactCurves:
     def draw_rows(self, ax: Axes) -> None:
         """Draw the forces of many contacts one above the other, to one scale.
 
-        Rows are one unit apart and bear the names of some contacts; the title names the
-        largest force.
+        The rows are one unit apart; ticks name at most `MAX_NAMED_CONTACTS` of them.
+        The largest force fills `ROW_FILL` of a row, and the title gives its value.
         """
         series = colours().series
         largest = self.largest

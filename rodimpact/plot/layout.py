@@ -100,7 +100,12 @@ class PictureLayout:
     def position(
         self, body: int | Ints, x: ArrayLike, t: ArrayLike, displacement: Any
     ) -> Floats:
-        """Position X, m, of points x (m) of bodies at t (s), displaced (m)."""
+        """Position X, m, in the picture of points of bodies.
+
+        A point is x m from the left end of the unstrained body; at the time t, s, it is
+        displaced by `displacement`, m. Its motion, with the initial offset of the body
+        and minus that of the frame, is magnified. Arrays are broadcast.
+        """
         moved = self.initial_offsets[body] + displacement - self.frame * np.asarray(t)
         X: Floats = self.left[body] + np.asarray(x) + self.magnification * moved
         return X
@@ -347,7 +352,10 @@ def _reference_velocity(solution: Solution) -> float:
 
 
 def _largest_strain(solution: Solution, times: Floats) -> float:
-    """Largest absolute strain of the rods at times; 0 without rods."""
+    """Largest absolute strain of the rods at the times, s; 0 without rods.
+
+    Each rod is sampled at `POINTS_OF_STRAIN` points.
+    """
     largest = 0.0
     for body, length in enumerate(_lengths(solution)):
         if length:

@@ -112,7 +112,9 @@ def energy(solution: Solution, ax: Axes | None = None) -> Picture:
 def draft_energy(solution: Solution, ax: Axes | None, count: int) -> Draft:
     """Draft of `energy`: the bands and the line of work, without names in the bands.
 
-    If the row has rods, energies are measured at `count` even times, and at events.
+    If the row has rods, energies are measured at `count` even times, and at events. The
+    line is drawn only if walls, drives, gravity or entering waves do work. The
+    vertical axis begins at 0; its label names the frame if the row drifts.
     """
     check_solution(solution)
     ax = axes_or_new(ax, width=5.6, height=3.2)
@@ -196,10 +198,10 @@ def _energies(solution: Solution, count: int) -> _Energies:
     ledger = solution.energy(times)
     drift = _energy_of_drift(solution, frame, times)
     entries = {entry: getattr(ledger, entry) for entry in BANDS}
-    entries["kinetic"] = ledger.kinetic - drift
+    entries["kinetic"] = ledger.kinetic - drift  # seen from the frame
     works = _works(ledger)
-    work = np.sum(list(works.values()), axis=0)
-    supplied: Floats = np.asarray(ledger.total[0] - drift + work)
+    all_work = np.sum(list(works.values()), axis=0)
+    supplied: Floats = np.asarray(ledger.total[0] - drift + all_work)
 
     # Bands are stacked, which negative parts do not allow.
     parts = {entry: np.maximum(part, 0.0) for entry, part in entries.items()}

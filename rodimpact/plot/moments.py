@@ -49,7 +49,8 @@ def moments(solution: Solution, at_most: int = 8) -> Floats:
         at_most = MIN_MOMENTS
 
     ends = np.array([0.0, solution.t_end])
-    n_events = at_most - np.setdiff1d(ends, events).size  # events for which is room
+    # Number of events that have room beside the start and the end
+    n_events = at_most - np.setdiff1d(ends, events).size
     chosen = np.union1d(events[evenly(events.size, n_events)], ends)
     after_first = reflections.all[reflections.all > first]
     if after_first.size and chosen.size < at_most:
@@ -97,7 +98,10 @@ class _Reflections:
     """
 
     def __init__(self, solution: Solution, last: float) -> None:
-        """Take the times from the ticks of all waves; none from a smooth solution."""
+        """Take the times up to `last` from the waves of a solution by fronts.
+
+        Both arrays are empty for a smooth solution.
+        """
         every = [np.empty(0)]  # NumPy does not concatenate an empty list
         first = []
         if not is_smooth(solution):
@@ -238,5 +242,6 @@ def round_trips(solution: Solution) -> dict[float, str]:
                 subscript = length[1:]
                 speed = f"c{subscript}"
             if count <= max_trips:
-                names.setdefault(t, f"{2 * count} {length}/{speed}")  # 2 ways a trip
+                # A round trip is twice the length.
+                names.setdefault(t, f"{2 * count} {length}/{speed}")
     return names

@@ -92,8 +92,9 @@ class Animation:
     ) -> None:
         """Draw all that stays the same in each frame, and keep its pixels.
 
-        Times before 0 show the approach of the bodies; the diagram and the forces begin
-        with the first time that is not negative.
+        These are the title, the space-time diagram of `field`, and the forces of
+        contacts that can open. They begin with the first of the `times` that is not
+        negative; times before 0 show the approach of the bodies.
         """
         solution = layout.solution
         self.fps = fps
@@ -314,7 +315,11 @@ class Animation:
         bars.draw_marks()
 
     def clock(self, number: int) -> str:
-        """Time of a frame, such as "t = 317 µs", with the decimals of all frames."""
+        """Time of a frame as a text, such as "t = 317 µs".
+
+        All frames have one unit and one number of decimals, with which the last time
+        has three digits or more.
+        """
         now, end = self.times[[number, -1]] * self._time.factor
         power = math.floor(math.log10(end))  # of ten, of the leading digit of the end
         decimals = max(0, 2 - power)  # the end has three digits

@@ -151,7 +151,11 @@ def _page(wanted: list[Any]) -> tuple[Figure, dict[str, Axes]]:
 
 
 def _notes(solution: Solution, stop: float) -> list[str]:
-    """Notes below the page: why the run stopped, and how much of it is shown."""
+    """Notes below the page; [] for a final solution that is shown until its end.
+
+    One says why a run stopped whose outcome is not final, the other how much is shown
+    if the pictures end at `stop`, s, before the end.
+    """
     notes = []
     if not solution.final:
         notes.append(solution.status)
@@ -187,7 +191,10 @@ def headline(solution: Solution) -> str:
 
 
 def _bodies(solution: Solution) -> str:
-    """Numbers of rods, masses and walls in words: "2 rods and 1 wall"."""
+    """How many rods, masses and walls there are, such as "2 rods and 1 wall".
+
+    Kinds that the row does not have are left out.
+    """
     parts = []
     for kind, (singular, plural) in KINDS.items():
         count = sum(isinstance(body, kind) for body in solution.system.bodies)

@@ -71,7 +71,7 @@ class Plane:
         span: Span,
         across: bool,
     ) -> None:
-        """Take the Axes as they are; `format` sets their limits and ticks."""
+        """Keep the arguments; the Axes is not changed until `format`."""
         self.ax = ax
         self.layout = layout
         self.scales = scales
@@ -185,7 +185,7 @@ class Plane:
         self.time_axis.set_ticks(list(ticks), labels=labels)
 
     def _rods(self) -> list[RodOnAxis]:
-        """Ends of the rods on the axis of x at the start, from left to right."""
+        """The rods from left to right, with their ends on the axis at the start."""
         layout = self.layout
         factor = self.scales.x.factor
         start = self.span.start

@@ -53,7 +53,10 @@ class Polygons:
     """
 
     def __init__(self, solution: Solution, start: float, stop: float | None) -> None:
-        """Find the regions, and for each corner its region, body and next corner."""
+        """Find the regions from `start` to `stop`, s, by default to the end.
+
+        For each corner its region, body, first and next corner are kept.
+        """
         self.system = solution.system
         self.regions = regions_of(solution, start, stop)
         starts = self.regions.start  # first corner of each region, and the end of all
@@ -400,9 +403,9 @@ class Polygons:
     def _centres(self, corners: Floats) -> Floats:
         """Centre of area of each region, [n, 2]; NaN where the area is 0.
 
-        A fan of triangles about the first corner o has twice the areas a = (p - o) x (q
-        - o), with the corners p and q of a side; the centre is o + sum(a ((p - o) + (q
-        - o)))/(3 sum(a)).
+        A region is divided into triangles with the first corner o and the two corners p
+        and q of a side. Twice the area of a triangle is a = (p - o) x (q - o), and the
+        centre of the region is o + sum(a ((p - o) + (q - o)))/(3 sum(a)).
         """
         origin = corners[self._first]
         starts = self.regions.start[:-1]

@@ -65,7 +65,8 @@ class Raster:
     def _values_in_rod(self, body: int, field: str, frame: float) -> Floats:
         """Values of a field in the cells [pieces, times] of a rod, as in `values`.
 
-        The energy per length is A (rho v^2 + stress strain)/2.
+        The energy per length is A (rho v^2 + stress strain)/2, with v in the frame. Any
+        field that is not named here is taken for the energy.
         """
         x = middles(pieces(self.solution, body))
         if field == "displacement":
@@ -96,7 +97,8 @@ class Raster:
     ) -> cm.ScalarMappable:
         """Draw the cells, coloured by `numbers` [times, pieces], and return the mesh.
 
-        They are pixels also in SVG and PDF files.
+        Their corners lie on the paths of the edges of pieces. They are pixels also in
+        SVG and PDF files.
         """
         corners = []  # of the cells of each rod [time, edge, 2]
         for body in self._rods:

@@ -342,18 +342,18 @@ def reduction(curve: Reduction, ax: Sequence[Axes] | None = None) -> Picture:
     upper, lower = two_axes_or_new(
         ax, "stress and strain rate", height=4.6, ratios=(3, 1)
     )
-    first, second = colours().series[:2]
+    first_colour, second_colour = colours().series[:2]
     (from_transmitted,) = upper.plot(
         strain,
         stress * unit.factor,
-        color=first,
+        color=first_colour,
         linewidth=1.3,
         label="transmitted wave",
     )
     (from_two_waves,) = upper.plot(
         strain,
         two_wave_stress * unit.factor,
-        color=second,
+        color=second_colour,
         linewidth=0.9,
         linestyle="--",
         label="incident and reflected wave",
@@ -362,12 +362,14 @@ def reduction(curve: Reduction, ax: Sequence[Axes] | None = None) -> Picture:
         strain,
         (stress - half_width) * unit.factor,
         (stress + half_width) * unit.factor,
-        color=first,
+        color=first_colour,
         alpha=BAND_ALPHA,
         linewidth=0,
         label="95 % band",
     )
-    (rate,) = lower.plot(strain, curve.strain_rate[loading], color=first, linewidth=1.1)
+    (rate,) = lower.plot(
+        strain, curve.strain_rate[loading], color=first_colour, linewidth=1.1
+    )
     format_axes(
         upper,
         [from_transmitted, from_two_waves, band],

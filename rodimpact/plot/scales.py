@@ -233,9 +233,10 @@ class AxisScales(NamedTuple):
 def axis_scales(
     solution: Solution, dimensionless: bool, duration: float, width: float
 ) -> AxisScales:
-    """Scales for times up to `duration` s and a picture `width` m wide.
+    """Scales for times up to `duration`, s, and a picture `width` m wide.
 
-    Dimensionless times are t c/l1, places x/l1, with the first rod's length and speed.
+    Dimensionless times are t c/l1 and dimensionless positions x/l1, with the length l1
+    and the wave speed c of the first rod.
     """
     if not dimensionless:
         return AxisScales(time_scale(duration), x_scale(width))

@@ -120,23 +120,24 @@ def snapshots(
     check_has_rod(solution)
     hidden = ""
     if times is None:
-        when = moments(solution)
-        n_hidden = n_hidden_events(solution, when)
+        row_times = moments(solution)
+        n_hidden = n_hidden_events(solution, row_times)
         if n_hidden:
             hidden = f"times of events at contacts not shown: {n_hidden}"
     else:
-        when = array("times", times, "s").ravel()
-    if when.size == 0:
+        row_times = array("times", times, "s").ravel()
+    if row_times.size == 0:
         raise invalid_argument("times", "needs at least one time, got none")
-    solution.fields.to_ticks(when)  # raises ValueError for times outside the solution
-    stop = float(when.max())
+    # This raises ValueError for times outside the solution.
+    solution.fields.to_ticks(row_times)
+    stop = float(row_times.max())
     layout = choose_layout(solution, 0.0, stop, magnification=magnification)
     x = x_scale(layout.row_length)
 
-    height = AROUND_ROWS + ROW_HEIGHT * when.size
-    least_height = AROUND_ROWS + MIN_ROW_HEIGHT * when.size
+    height = AROUND_ROWS + ROW_HEIGHT * row_times.size
+    least_height = AROUND_ROWS + MIN_ROW_HEIGHT * row_times.size
     ax = axes_or_new(ax, width=9.6, height=height, least_height=least_height)
-    bars = Bars(ax, layout, when, x)
+    bars = Bars(ax, layout, row_times, x)
     norm = centred(bars.pieces.velocity, layout.frame)
     rods = bars.draw_rods(bars.pieces.velocity, norm)
     outlines = bars.draw_outlines()
@@ -150,7 +151,7 @@ def snapshots(
     _draw_first_ends(bars)
 
     velocity = _VelocityLabels(bars)
-    _name_rows(ax, solution, when)
+    _name_rows(ax, solution, row_times)
     labels = [layout.label(x, size_in_points(ax)[0]), velocity.unit, LEGEND]
     if hidden:
         labels.append(hidden)
@@ -166,12 +167,13 @@ def snapshots(
             aspect=50,
             shrink=0.6,
             format=lambda value, _: number_text(
-                value * velocity.scale.factor, largest=0.0
+                value * velocity.scale.factor,
+                largest=0.0,  # so that no number counts as round-off
             ),
         )
     picture = Picture(
         ax=ax,
-        times=when,
+        times=row_times,
         bars=rods,
         labels=[],
         fronts=fronts,
@@ -238,7 +240,10 @@ class _VelocityLabels:
     """
 
     def __init__(self, bars: Bars) -> None:
-        """Choose the unit from the velocities of all pieces."""
+        """Choose scale and unit: the closing speed of the solution, if there is any.
+
+        The scale fits the largest velocity of all pieces.
+        """
         self._largest = largest_of(bars.pieces.velocity)
         self._closing = closing_speed(bars.solution)
         self._frame = bars.layout.frame
@@ -267,28 +272,28 @@ class _VelocityLabels:
         return number_text(ratio * self._largest * self.scale.factor, largest)
 
 
-def _name_rows(ax: Axes, solution: Solution, when: Floats) -> None:
+def _name_rows(ax: Axes, solution: Solution, row_times: Floats) -> None:
     """Write the time of each row to its left, the events at this time to its right.
 
-    The time is given in seconds, and below in transit times of the first rod.
+    The time is given in s, ms or µs, and below in transit times of the first rod.
     """
     format_axes(ax)
     time = engineering("time", solution.t_end, "s")
     rod, length = first_rod(solution)
     names = []
-    for t in when.tolist():
+    for t in row_times.tolist():
         transits = t / float(rod.transit_time)
         names.append(f"{t * time.factor:.4g} {time.unit}\n{transits:.3g} {length}/c")
-    ax.set_yticks(-np.arange(when.size), names)
+    ax.set_yticks(-np.arange(row_times.size), names)
     ax.tick_params(axis="y", length=0)
     ax.spines["left"].set_visible(False)
     room = EVENT_WIDTH * 72 * figure_of(ax).get_figwidth()
-    for stage, t in enumerate(when.tolist()):
+    for stage, t in enumerate(row_times.tolist()):
         events = []
         for line in events_at(solution, t).splitlines():
             events.append(break_label(line, room))
         ax.text(
-            1.01,
+            1.01,  # just to the right of the Axes
             -stage,  # height of the row in data coordinates
             "\n".join(events),
             transform=ax.get_yaxis_transform(),

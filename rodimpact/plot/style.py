@@ -84,7 +84,10 @@ def _sheet(mode: str) -> RcParams:
 
 
 def _colours(sheet: RcParams, wall: str, mass: str, signed: colors.Colormap) -> Colours:
-    """Colours of a style sheet, and those for which matplotlib has no setting."""
+    """`Colours` with those of a style sheet, and those that matplotlib cannot set.
+
+    Of the latter `wall` and `mass` are colours of bodies, `signed` is a palette.
+    """
     return Colours(
         paper=sheet["figure.facecolor"],
         ink=sheet["text.color"],
@@ -115,7 +118,7 @@ def colours() -> Colours:
 
 
 def wanted_width(usual: float) -> float:
-    """Width asked for by `look`, inches, or the usual one."""
+    """Width that `look` asks for, inches; `usual` if it asks for none."""
     width = _current.get().width
     if width is None:
         return usual
