@@ -170,7 +170,7 @@ def _draw_steps(
     `style` are matplotlib's settings of the line.
     """
     style.setdefault("linewidth", 1.4)
-    # A state that is constant between its times has at most two coefficients each.
+    # A piece with more than two coefficients is curved between its times.
     is_smooth = record.record.coefficient_count > 2
     curve = thinned(steps_until(record.end, record.times, values, is_smooth))
     return ax.stairs(

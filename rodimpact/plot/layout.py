@@ -155,7 +155,10 @@ class PictureLayout:
         return self.position(body, x, t, displacement + approach)
 
     def end(self, body: int, is_right: bool, t: ArrayLike) -> Floats:
-        """Position X, m, of the left or right end of a body at t, s."""
+        """Position X, m, of the left or right end of a body at t, s.
+
+        That of a rigid mass is the side of its block.
+        """
         x = 0.0
         if is_right:
             x = self.widths[body]

@@ -477,11 +477,12 @@ def check_frames(frames: int, fps: float) -> None:
 def _approach_frames(
     layout: PictureLayout, start: float, stop: float, frames: int
 ) -> int:
-    """Number of frames before t = 0 that show how bodies approach which touch at t = 0.
+    """Number of frames before t = 0, which show bodies that will touch at t = 0.
 
-    It is 0 for a film that does not begin at 0, and where no touching bodies approach,
-    or some move apart. Before 0 the fastest gap is at most `MAX_APPROACH_WAY`, and at
-    most the share `MAX_APPROACH_FRAMES` of all frames is before 0.
+    In these frames the gap that closes fastest is at most `MAX_APPROACH_WAY`, and they
+    are at most the share `MAX_APPROACH_FRAMES` of all frames. There are none if the
+    film does not begin at 0, or if of the bodies that touch none approach or some move
+    apart.
     """
     solution = layout.solution
     velocities = solution.outcome.velocities_before

@@ -343,10 +343,10 @@ class Polygons:
         return True
 
     def _write_numbers(self, ax: Axes) -> list[Text]:
-        """Write the number of each region into its centre, where there is room for it.
+        """Write the number of each region into its centre, if there is room for it.
 
-        Where bodies move in the picture, the number has a box in the colour of its
-        region, so that paths which cross it do not hide it.
+        If bodies move in the picture, the number has a box in the colour of its region,
+        so that paths which cross it do not hide it. The texts are returned.
         """
         low, high = self._norm.inverse(np.array([0.0, 1.0])).tolist()  # colour limits
         reach = (high - low) / 2

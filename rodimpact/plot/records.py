@@ -169,7 +169,7 @@ def comparison(
 
 
 def _check_band(band: Signal, predicted: Signal) -> None:
-    """Raise ValueError if a band is no signal in the unit of the prediction."""
+    """Raise ValueError unless a band is a Signal in the unit of the prediction."""
     check_kind("band", band, Signal, "0.02 * predicted")
     if band.unit != predicted.unit:
         raise invalid_argument(

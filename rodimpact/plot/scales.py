@@ -173,7 +173,7 @@ def joined_by_and(names: Sequence[str]) -> str:
 def closing_speed(solution: Solution) -> float:
     """Largest initial speed at which bodies approach at a contact that can open, m/s.
 
-    It is 0 if none approach, or so slowly that only round-off makes them.
+    It is 0 if none approach, or if only round-off makes them approach.
     """
     velocities = solution.outcome.velocities_before
     largest = 0.0
