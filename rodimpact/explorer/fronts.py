@@ -245,12 +245,12 @@ def add_change(curves: Any, node: Any, now: int, tick_duration: float) -> None:
     """Add the force and the gap of a contact at the tick `now` to its curves.
 
     The force is a step curve: two points are added, with the force before and after
-    `now`; the first time only one. The gap changes evenly after the node was solved; a
-    bond has no curve of the gap.
+    `now`; to an empty curve only the latter. The gap changes evenly after the node was
+    solved; a bond has no curve of the gap.
     """
     t = now * tick_duration
     force = curves["force"]
-    if len(force["t"]) > 0:
+    if len(force["t"]) > 0:  # the force held until now
         force["t"].append(t)
         force["y"].append(force["y"][-1])
     force["t"].append(t)
@@ -295,7 +295,7 @@ def clock_of(run: PageRun) -> Clock:
     record = run.record
     row = run.layout.row
     transits = transits_of(run)
-    # Nothing lies to the left and to the right of the row.
+    # By segment, with 0 for the outside at both ends
     impedance = [0.0, *[segment.impedance for segment in row.segments], 0.0]
     tick = record.tick_duration
     scale = 0.0

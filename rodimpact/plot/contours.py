@@ -115,6 +115,7 @@ def label_contours(
             distances = np.hypot(*(obstacles - point).T)
             if not (distances < half + half_widths).any():
                 candidates.append(point)
+        # First the points that leave room for a visible part of the line
         inside = [point for point in candidates if _is_inside(ax, point, half + STUB)]
         inside += [point for point in candidates if _is_inside(ax, point, half)]
         if inside:

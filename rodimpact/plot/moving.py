@@ -178,9 +178,10 @@ class Animation:
     def _find_captions(self, solution: Solution, start: float, stop: float) -> None:
         """Set `_event_times`, s, and `_captions`, texts of the events at contacts.
 
-        Events from `start` to `stop` count. With n events there are n + 1 captions: the
-        first holds until the first event, each other one from its event to the next. A
-        caption has at most `MAX_CAPTION_LINES` lines.
+        Events from `start` to `stop` count. With n events there are n + 1 captions. The
+        first one, "before contact" or "", holds until the first event. Each other one
+        has the time and the events of an instant, and holds until the next; it has at
+        most `MAX_CAPTION_LINES` lines.
         """
         times = {t for t in contact_event_times(solution) if start <= t <= stop}
         self._event_times = sorted(times)
