@@ -199,8 +199,8 @@ def contact_curves(run: PageRun, stop: int) -> list[Any]:
     """Curves of the ``force``, N, and of the ``gap``, m, of each contact.
 
     They have points at t = 0, at each change of the contact, and at the tick `stop`.
-    The gap of a bond is None. For this the kernel runs again, event by event, on new
-    records.
+    The gap of a bond is None. The kernel runs again for these curves, event by event,
+    on new records.
     """
     second_run = new_run(run.layout)
     state = second_run.state

@@ -60,10 +60,8 @@ def grids_of(run: Any) -> Any:
     end = run["now"] * run["tick"]
     grids = no_cells()
     for i, body in enumerate(row.system.bodies):
-        # Of the left end of the segment: its distance from that of the body, and its
-        # displacement at t = 0 by the initial strain, m
-        left = 0.0
-        initial_displacement = 0.0
+        left = 0.0  # distance of the segment's left end from that of the body, m
+        initial_displacement = 0.0  # of the segment's left end, by initial strain, m
         for j, segment in enumerate(body.segments):
             s = row.spans[i][0] - 1 + j  # in the row; spans count from 1
             n_cells = across_of(row.system, segment)

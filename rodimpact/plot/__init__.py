@@ -6,8 +6,8 @@ if the call is the last line of a cell. ``with look("dark", width=85):`` makes f
 dark and 85 mm wide; ``plt.style.use("rodimpact.plot.dark")`` gives other figures the
 same look. Only `show` changes matplotlib's global state.
 
-A file draws one kind of figure, and reads as a recipe: what is measured from the
-solution, then what is drawn. Begin with `ledger`, the simplest. `scales` has units and
+A file draws one kind of figure. It is a recipe: what is measured from the solution,
+then what is drawn. Begin with `ledger`, the simplest. `scales` has units and
 numbers, `labels` words and their room, `panels` figures and Axes, `style` colours.
 
 >>> import rodimpact as ri

@@ -90,7 +90,7 @@ class Bars:
     times : array
         s, one for each row.
     pieces : array of `PIECE`
-        Of all rods, row by row.
+        Pieces of all rods, row by row.
     row_heights : array
         Heights of the rows in the picture; row k of the pieces is at -k.
     largest_strain : float
@@ -254,7 +254,7 @@ class Bars:
     def draw_outlines(self) -> collections.LineCollection | None:
         """Draw a line round each rod of a smooth solution, whose pieces have no lines.
 
-        For other solutions nothing is drawn, and None is returned.
+        If the solution has fronts, nothing is drawn, and None is returned.
         """
         if not self.is_smooth:
             return None

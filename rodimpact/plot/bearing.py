@@ -35,7 +35,7 @@ def bearing(graph: BearingGraph, ax: Sequence[Axes] | None = None) -> Picture:
     graph : BearingGraph
         From `rodimpact.bearing_graph`.
     ax : two Axes, optional
-        For blow count and stress; by default those of a new figure, one above the
+        Axes of blow count and stress; by default those of a new figure, one above the
         other.
 
     Returns

@@ -71,18 +71,18 @@ def spacetime(
         ``"velocity"``, ``"stress"`` or ``"strain"``, both positive in tension,
         ``"displacement"``, or ``"energy"``, kinetic and strain energy per length.
     dimensionless : bool
-        Scale times by l1/c and places by l1, the transit time and length of the first
-        rod; velocities by the closing speed v0, stresses by rho c v0, strains by v0/c,
-        displacements by l1 v0/c, energies by rho A v0^2 of the first rod.
+        Divide times by l1/c and positions by l1, the transit time and length of the
+        first rod; velocities by the closing speed v0, stresses by rho c v0, strains by
+        v0/c, displacements by l1 v0/c, energies by rho A v0^2 of the first rod.
     start, stop : float
         Interval of time, s; by default the whole solution.
     magnification : float, optional
-        Of displacements and gaps in the laboratory; by default 1, 2 or 5 times a power
-        of ten that shows them well.
+        Magnification of displacements and gaps in the laboratory; by default 1, 2 or 5
+        times a power of ten that shows them well.
     coordinates : "body" or "lab"
     across : bool
-        Whether time runs to the right and places lie upward, instead of the other way
-        round.
+        Whether the axis of time is horizontal and that of x vertical, instead of the
+        other way round.
     gauges : mapping of str to Gauge, optional
         Strain gauges to draw, by name, as for `gauges_to_csv`.
 
@@ -90,8 +90,8 @@ def spacetime(
     -------
     Picture
         With `regions`, polygons of constant state, triangles between whose corners
-        displacements are linear, or the flat cells [times, places] of a solution
-        without fronts, masked between the rods; collections of the `ends` of the rods,
+        displacements are linear, or the flat cells [time, x] of a solution without
+        fronts, masked between the rods; collections of the `ends` of the rods,
         of contacts `pressing`, `touching` and `apart`; lists of `walls`, which are
         fixed ends too, `masses`, `labels`, `gauges` and `centres`; `colour_bar`; and
         `scale`, which makes its numbers from SI values.
@@ -207,7 +207,7 @@ def draft_spacetime(
     plane.format()
     bar = add_colour_bar(ax, regions, scale.label, reference)
 
-    # Of several artists with one name the legend has the first.
+    # The legend has only the first of several artists with one name.
     named = _named_contacts(contacts)
     for kind in (springs, masses, joints):
         named += kind[:1]
@@ -275,7 +275,7 @@ def _with_average(scale: Scale, field: str, cut: Cut) -> Scale:
 def _with_frame(scale: Scale, field: str, layout: PictureLayout) -> Scale:
     """The scale of displacements or energies with the moving frame in its name.
 
-    For other fields, and in a frame at rest, the scale is returned as it is.
+    The scale of another field, or in a frame at rest, is returned as it is.
     """
     if not layout.frame or field not in ("displacement", "energy"):
         return scale

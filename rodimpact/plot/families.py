@@ -112,8 +112,8 @@ def sweep(
     """Draw a quantity of a family of collisions: a curve over one axis, a map over two.
 
     An axis is logarithmic if its values are closer to a geometric than to an arithmetic
-    sequence. Collisions without a value leave gaps. For two uniform bodies without
-    initial vibration the closed form is drawn under the curve. Members in no order,
+    sequence. Collisions without a value leave gaps. The closed form for two uniform
+    bodies without initial vibration is drawn under the curve. Members in no order,
     such as samples of several uncertain numbers, are drawn as points, beside a
     histogram of their values. On a map of two such rods a full line marks equal transit
     times, where e = 1; a dashed line marks equal impedances, where the force duration

@@ -150,8 +150,8 @@ def family_axis(
 def _varying_along(result: SweepResult, dimension: int) -> dict[str, NDArray[Any]]:
     """Numbers that vary along a dimension, by path, each with this dimension first.
 
-    As in NumPy's broadcasting, a number with fewer dimensions than the family has the
-    last ones.
+    A number with fewer dimensions than the family has the last ones, as in NumPy's
+    broadcasting.
     """
     from_end = len(result.shape) - dimension  # the dimension is number -from_end
     varying = {}

@@ -68,14 +68,14 @@ def contact(
     ----------
     solution : Solution
     ax : two Axes, optional
-        For force and gap; by default those of a new figure, one above the other.
+        Axes of force and gap; by default those of a new figure, one above the other.
     contact : int or sequence of int, optional
         Index of the contact: it is between body `contact` and the next body; walls are
-        counted. By default all contacts are drawn; of more than twelve those with the
-        largest forces, which the title says. The legend, or for a single contact the
-        label of its force, tells which. For a single contact with up to three episodes,
-        the times at which the force ends and the gap opens are marked. Times of whole
-        round trips of a wave are named, such as 2 l1/c.
+        counted. By default all contacts are drawn, but only the twelve with the largest
+        forces if there are more, which the title says. The legend names the contacts; a
+        single contact is named by the label of its force. If a single contact has up to
+        three episodes, the times at which its force ends and its gap opens are marked.
+        Times of whole round trips of a wave are named, such as 2 l1/c.
 
     Returns
     -------
@@ -310,9 +310,9 @@ class ContactCurves:
         N, over s.
     gaps : list of GapCurve
     time : Scale
-        Of times.
+        Scale of times.
     scale : Scale
-        Of forces; its name says so if some forces are means over a time.
+        Scale of forces; its name says so if some forces are means over a time.
     largest : float
         Largest absolute force of all contacts, N.
     """

@@ -60,14 +60,15 @@ class PictureLayout:
     ----------
     solution : Solution
     magnification : float
-        Of displacements and gaps; 0 draws every body where it is in the undeformed row.
+        Factor of displacements and gaps; with 0 every body is drawn where it is in the
+        undeformed row.
     frame : float
         Velocity of the frame of the picture, m/s.
     left : array
         Left end of each body in the row of unstrained rods without gaps, m; that of the
         first rod is 0.
     widths : array
-        Of each body in the picture before it moves, m.
+        Width of each body in the picture before it moves, m.
     initial_offsets : array
         Shift of the left end of each body by gaps and strain at t = 0, m.
     mass_width : float

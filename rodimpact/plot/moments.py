@@ -27,8 +27,8 @@ def moments(solution: Solution, at_most: int = 8) -> Floats:
     events at contacts, which are beginnings and ends of forces and openings of gaps; an
     instant half-way to the first reflection of a wave; the first reflection at each end
     of a segment; other reflections while contacts last; and middles of the longest
-    intervals. Of too many events some are chosen evenly, with the first and the last,
-    see `n_hidden_events`. Smooth solutions have no reflections.
+    intervals. If there are too many events, some are chosen evenly, with the first and
+    the last, see `n_hidden_events`. Smooth solutions have no reflections.
     """
     # The interesting interval [first, last] is that from the first event to the last,
     # or to the end if a contact is still closed.
@@ -234,7 +234,7 @@ def round_trips(solution: Solution) -> dict[float, str]:
                 count = round(t / trip)
                 if t > 0 and math.isclose(t, trip * count, rel_tol=ROUND_TRIP_RTOL):
                     trips.append((count, t, i))
-        # Of several rods with whole round trips, the fewest name the time.
+        # If both rods have whole round trips, the fewer ones name the time.
         for count, t, i in sorted(trips):
             length = length_name(system, i)
             speed = "c"

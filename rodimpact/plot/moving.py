@@ -84,7 +84,7 @@ class Animation:
         Frames a second.
     title : str
     colours : Colours
-        Of paper and lines.
+        Colours of paper and lines.
     """
 
     def __init__(
@@ -418,7 +418,7 @@ def animation(
         regions of constant state, the first half, quarter, ... is shown, and the
         picture states this.
     magnification : float, optional
-        Of displacements and gaps; by default chosen as in `spacetime`.
+        Factor of displacements and gaps; by default chosen as in `spacetime`.
 
     Returns
     -------

@@ -46,8 +46,8 @@ KINDS = {
 def overview(solution: Solution, gauges: Mapping[str, Gauge] | None = None) -> Figure:
     """Draw velocity and stress in space and time, contacts, and energy.
 
-    For up to three contacts force and gap are drawn, for more contacts only the forces,
-    one above the other. The page makes its own figure and takes no Axes.
+    Up to three contacts are drawn with force and gap, more contacts only with their
+    forces, one above the other. The page makes its own figure and takes no Axes.
 
     Parameters
     ----------
@@ -58,8 +58,8 @@ def overview(solution: Solution, gauges: Mapping[str, Gauge] | None = None) -> F
     Returns
     -------
     Figure
-        Of the size of a page, 11.7 by 8.3 inches, or a column if `look` asks for less
-        than 140 mm; write it with `save`.
+        It has the size of a page, 11.7 by 8.3 inches, or is a column if `look` asks for
+        less than 140 mm; write it with `save`.
 
     Raises
     ------

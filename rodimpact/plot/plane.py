@@ -56,7 +56,7 @@ class Plane:
     ----------
     ax : Axes
     layout : PictureLayout
-        Of the row.
+        Layout of the row.
     scales : AxisScales
     span : Span
     across : bool

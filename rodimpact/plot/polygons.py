@@ -115,8 +115,8 @@ class Polygons:
         """Sides that two regions share, also steps, with their darkness in the picture.
 
         The darkness of a front is the square root of its jump of velocity over the
-        largest jump; that of a step of area or material is 1. Of the two regions beside
-        a side, the one whose corners have the earlier mean time is the earlier one.
+        largest jump; that of a step of area or material is 1. The earlier one of the
+        two regions beside a side is that whose corners have the earlier mean time.
         """
         regions = self.regions
         begins = self._shared_sides()  # [n, 2] corner where each region begins the side
@@ -148,7 +148,7 @@ class Polygons:
         time = self.regions.t.tolist()
         x = self.regions.x.tolist()
         points = list(zip(body, time, x, strict=True))  # [corner]
-        # By the two points of a side in order, the corner at which it begins
+        # Corner at which a side begins, by its two points in order
         begin_of: dict[Any, int] = {}
         for i, j in enumerate(self._next.tolist()):
             begin_of[points[i], points[j]] = i

@@ -59,9 +59,10 @@ def comparison(
     predicted : Signal
         The prediction. Before it its first value holds, after it its last value.
     ax : two Axes, optional
-        For signals and residual; by default those of a new figure, one above the other.
+        Axes of signals and residual; by default those of a new figure, one above the
+        other.
     shift, scale : float or (float, float), optional
-        Of the prediction, s and a factor: fixed, or between bounds, as for
+        Shift of the prediction, s, and factor: fixed, or between bounds, as for
         `Signal.misfit`.
     band : Signal, optional
         Half width of a band about the prediction, such as two standard errors, over the
@@ -233,9 +234,10 @@ def fit(result: Fit, ax: Sequence[Axes] | None = None, record: int = 0) -> Pictu
     ----------
     result : Fit
     ax : two Axes, optional
-        For signals and residual; by default those of a new figure, one above the other.
+        Axes of signals and residual; by default those of a new figure, one above the
+        other.
     record : int
-        Which of the records.
+        Index of the record.
 
     Returns
     -------
@@ -298,7 +300,7 @@ def reduction(curve: Reduction, ax: Sequence[Axes] | None = None) -> Picture:
     ----------
     curve : Reduction
     ax : two Axes, optional
-        For stress and strain rate; by default those of a new figure, one above the
+        Axes of stress and strain rate; by default those of a new figure, one above the
         other.
 
     Returns

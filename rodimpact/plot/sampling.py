@@ -1,8 +1,8 @@
 """Samples of solutions that change smoothly, and of long records.
 
-Such a solution has no fronts to draw between; a few hundred pieces show what can be
-seen of it. Of a long record the least and the largest value in each of many intervals
-are drawn.
+A smooth solution has no fronts between which it could be drawn; a few hundred pieces
+show all that can be seen. A long record is cut into many intervals, and the least and
+the largest value in each are drawn.
 """
 
 import math

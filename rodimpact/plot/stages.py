@@ -90,7 +90,7 @@ def snapshots(
         at the contacts, and end. A line below the picture tells how many events are not
         shown; the first and the last are.
     magnification : float, optional
-        Of displacements and gaps; by default chosen as in `spacetime`.
+        Factor of displacements and gaps; by default chosen as in `spacetime`.
     gauges : mapping of str to Gauge, optional
         Strain gauges to be marked, by name, as for `gauges_to_csv`.
 
@@ -234,7 +234,7 @@ class _VelocityLabels:
     Attributes
     ----------
     scale : Scale
-        Of velocities, for the colour bar and for numbers with a unit.
+        Scale of velocities, for the colour bar and for numbers with a unit.
     unit : str
         Line under the picture that names the closing speed or the unit.
     """
@@ -305,7 +305,7 @@ def _name_rows(ax: Axes, solution: Solution, row_times: Floats) -> None:
 def _label_masses(bars: Bars, write: Callable[[float], str]) -> list[Text]:
     """Write the velocity of each mass below it in each row, or above it.
 
-    Of masses next to each other every second one has its label above, so that labels do
+    If masses are neighbours, every second one has its label above, so that labels do
     not overlap. `write` makes the text of a velocity.
     """
     labels: list[Text] = []
@@ -372,8 +372,8 @@ def _label_pieces(bars: Bars, norm: Any, write: Callable[[float], str]) -> list[
 def _with_room_below(labels: list[_Label]) -> list[_Label]:
     """Labels of a row, from left to right, moved apart so that none overlap.
 
-    As long as a label would move by more than `MAX_SHIFT` of its width, the one that
-    moves farthest is left out: the result may be shorter than `labels`, even empty.
+    While a label would move by more than `MAX_SHIFT` of its width, the label that moves
+    farthest is left out: the result may be shorter than `labels`, even empty.
     """
     labels = sorted(labels)  # by x
     while labels:
