@@ -550,8 +550,8 @@ class _Translator(ast.NodeVisitor):
     def visit_ListComp(self, node: ast.ListComp | ast.GeneratorExp) -> str:
         """Text of a comprehension or generator as a list made by `map` and `filter`.
 
-        Of several loops the last one maps; each loop before it flattens the lists of
-        the loops inside.
+        The last of several loops maps; each loop before it flattens the lists of the
+        loops inside.
         """
         text = self.visit(node.elt)
         method = "map"

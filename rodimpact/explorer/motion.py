@@ -195,7 +195,7 @@ def breaks_of(terms: Any, now: float) -> list[float]:
 def sum_of_waves(terms: Any, since: float, tick: float) -> float:
     """Sum of delayed waves at a tick, by the pieces that hold at the tick `since`.
 
-    With an earlier `since` it is the sum just before a jump at `tick`.
+    If `since` is earlier than a jump at `tick`, this is the sum just before the jump.
     """
     values = []
     for wave, delay, factor in terms:

@@ -169,7 +169,7 @@ def run_of(
     row : Row
     request : RunRequest
     tolerance : float
-        Of pieces, relative to the velocity scale.
+        Tolerance of pieces, relative to the velocity scale.
     keep : bool
         Whether all waves are kept.
     earlier : dict or None
@@ -210,8 +210,8 @@ def until_of(request: Any) -> Any:
 def horizon_shares(until: Any) -> list[float]:
     """Shares of the longest horizon for which clocks are tried in turn; the last is 1.
 
-    With a given end there is only 1. Otherwise each share is four times the one before
-    it, from `FIRST_HORIZON_SHARE` on.
+    The only share is 1 if there is a given end. Otherwise each share is four times the
+    share before it, from `FIRST_HORIZON_SHARE` on.
     """
     if until is not None:
         return [1.0]
@@ -452,7 +452,8 @@ def solve_by_pieces(
     system : System
     request : RunRequest
     tolerance : float
-        Of the pieces of waves. Above `RTOL` the solution is a draft with fewer points.
+        Tolerance of the pieces of waves. Above `RTOL` the solution is a draft with
+        fewer points.
     seconds : float
         Time after which the runs are given up.
 

@@ -321,8 +321,8 @@ def round_trips(body: Any, time: float) -> int:
 def in_transits(facts: Any, contact: Any, duration: float) -> str:
     """A duration, s, in transit times of a rod: ", 2 transit times of rod 1".
 
-    Of the two bodies of the contact the rod with the shorter transit time is taken. The
-    text is "" if neither is a rod.
+    The rod is the one beside the contact with the shorter transit time. The text is ""
+    if no rod is beside it.
     """
     shortest = 0.0
     text = ""

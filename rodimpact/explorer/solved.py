@@ -39,8 +39,8 @@ def scene_of(
     library : dict
         Tables of the materials that the case may name.
     tolerance : float
-        Of the pieces of waves, if characteristics solve the case. The stated errors say
-        how accurate the results are.
+        Tolerance of the pieces of waves, if characteristics solve the case. The stated
+        errors say how accurate the results are.
     seconds : float
         Time after which runs by characteristics are given up.
 

@@ -154,7 +154,7 @@ def _draw_borders(
     drawn = []
     for kind, style in styles.items():
         width, colour = style
-        kind_of_line = kinds[plane.of_line]  # that of a border point on it
+        kind_of_line = kinds[plane.of_line]  # kind of a border point on the line
         segments = lines[kind_of_line == kind]
         if len(segments):
             border = collections.LineCollection(

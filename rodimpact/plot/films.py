@@ -17,7 +17,7 @@ from ..progress import ProgressReport, no_report
 from .files import format_of
 
 LAST_FRAME_MS = 1500  # time for which a GIF stops before it begins again
-GIF_COLOURS = 255  # those of its last frame
+GIF_COLOURS = 255  # number of colours of a GIF, which are taken from the last frame
 PAPER_TOLERANCE = 9  # of 255, in red, green or blue: nearer colours become the paper's
 MIN_HUNDREDTHS = 2  # hundredths of a second; browsers show faster pictures slowly
 

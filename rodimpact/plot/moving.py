@@ -510,7 +510,7 @@ def _draw_forces(ax: Axes, solution: Solution) -> None:
     its axis of time. A legend names several contacts.
     """
     contacts = solution.outcome.unilateral
-    limits = ax.get_ylim()  # those of the diagram, which drawing would change
+    limits = ax.get_ylim()  # limits of the diagram, which drawing would change
     curves = ContactCurves(solution, contacts[:MAX_CONTACTS])
     forces = curves.draw(ax, is_upward=True)
     right = 1.1 * ax.dataLim.xmax

@@ -79,7 +79,7 @@ def figure_of(drawn: Any) -> Any:
     ValueError
         If it belongs to no figure.
     """
-    axes = getattr(drawn, "ax", drawn)  # those of a picture
+    axes = getattr(drawn, "ax", drawn)  # the Axes of a picture
     figure = getattr(axes, "figure", axes)
     figure = getattr(figure, "figure", figure)  # the whole of a subfigure
     if not isinstance(figure, Figure):

@@ -55,7 +55,7 @@ class Polygons:
     def __init__(self, solution: Solution, start: float, stop: float | None) -> None:
         """Find the regions from `start` to `stop`, s, by default to the end.
 
-        For each corner its region, body, first and next corner are kept.
+        The region, body, first and next corner of each corner are kept.
         """
         self.system = solution.system
         self.regions = regions_of(solution, start, stop)

@@ -86,7 +86,7 @@ def _sheet(mode: str) -> RcParams:
 def _colours(sheet: RcParams, wall: str, mass: str, signed: colors.Colormap) -> Colours:
     """`Colours` with those of a style sheet, and those that matplotlib cannot set.
 
-    Of the latter `wall` and `mass` are colours of bodies, `signed` is a palette.
+    The latter are the colours `wall` and `mass` of bodies, and the palette `signed`.
     """
     return Colours(
         paper=sheet["figure.facecolor"],
