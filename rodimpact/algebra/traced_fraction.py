@@ -233,7 +233,7 @@ class Program:
         """
         index_of_step: dict[Step, int] = {}  # equal steps are computed once
         index_of: dict[int, int] = {}  # step of each traced fraction, by its id
-        pending = wanted[::-1]  # a stack: the last number is taken first
+        pending = wanted[::-1]  # a stack, reversed so that the first number comes first
         while pending:
             x = pending.pop()
             operands: tuple[TracedFraction, ...] = ()

@@ -27,7 +27,7 @@ EXAMPLE = "200kN:1000kN:5"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """The case, the resistances, how blows are solved, and the outputs."""
+    """Add arguments: the case, the resistances, how blows are solved, the outputs."""
     parser.add_argument("case", metavar="CASE.toml", help="the case file")
     parser.add_argument(
         "--resistance",

@@ -60,7 +60,7 @@ a { color: inherit; }
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """The ratio of lengths, the material, and the figures."""
+    """Add options: length ratio, material, dowel, and the figures with their folder."""
     add_number(
         parser,
         "--ratio",

@@ -50,7 +50,7 @@ class Comparison(NamedTuple):
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """The case, the record and its form, what is compared, and options of the run."""
+    """Add arguments: the case, the record, what is compared, options of the run."""
     record_options.add_case_and_record(parser)
     compared = parser.add_argument_group("what is compared")
     add_number(
@@ -139,6 +139,7 @@ def _window(args: Arguments, name: str, record: Signal) -> Signal:
     stop = record.end
     if args.stop is not None:
         stop = args.stop
+    # `window` names both of its arguments in one path.
     with args.naming_mistakes(names={"start, end": f"--start, --stop of {name}"}):
         return record.window(start, stop)
 

@@ -19,7 +19,7 @@ PACKAGES = ("numpy", "scipy", "numba", "matplotlib")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Whether to compile everything, and the form of the answer."""
+    """Add the options --warm and --json."""
     parser.add_argument(
         "--warm",
         action="store_true",

@@ -17,7 +17,7 @@ DEFAULT_PRESET = "unequal"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """A case, and whether a browser opens it."""
+    """Add arguments: a case, which may be left out, and --no-browser."""
     parser.add_argument(
         "case",
         metavar="CASE.toml",

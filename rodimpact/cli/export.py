@@ -13,7 +13,7 @@ from .exit_status import DONE, CommandResult
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """A case, and the page to write."""
+    """Add arguments: a case, the page to write, and --force."""
     parser.add_argument("case", metavar="CASE.toml", help="the case file")
     parser.add_argument(
         "-o", "--output", metavar="FILE.html", required=True, help="file of the page"

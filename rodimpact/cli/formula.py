@@ -20,7 +20,7 @@ from .messages import complain
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """A case, and which of its numbers get names."""
+    """Add arguments: a case, its numbers that become symbols, and forms of the text."""
     parser.add_argument("case", metavar="CASE.toml", help="the case file")
     parser.add_argument(
         "--symbols",

@@ -13,7 +13,7 @@ docs/input.md         Every table and key of a case file (a page of the manual).
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """The topic."""
+    """Add the topic, which may be left out."""
     parser.add_argument(
         "topic", nargs="?", type=_topic, help="units: list all known units"
     )

@@ -11,7 +11,7 @@ from .exit_status import DONE, CommandResult
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """The materials, and the form of the answer."""
+    """Add arguments: names of materials, by default all, and --json."""
     parser.add_argument(
         "names", nargs="*", metavar="NAME", help="materials to list; default: all"
     )

@@ -46,7 +46,7 @@ PULSES = ("incident", "reflected", "transmitted")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """The bars, the record and its form, the specimen, the waves, and the outputs."""
+    """Add arguments: the bars, the record, the specimen, the waves, the outputs."""
     record_options.add_case_and_record(parser)
     parser.add_argument("--csv", metavar="FILE", help="write all columns over time")
     parser.add_argument(

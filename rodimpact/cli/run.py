@@ -26,7 +26,7 @@ from .messages import complain
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """The case, the outputs, the gauges, and options of the run."""
+    """Add arguments: the case, the outputs, the gauges, options of the run."""
     parser.add_argument("case", metavar="CASE.toml", help="the case file")
     parser.add_argument("--json", action="store_true", help="print JSON")
     parser.add_argument(
@@ -85,12 +85,16 @@ def run(args: Arguments) -> CommandResult:
 
 
 def _check_gauges(args: Arguments, positions: GaugePositions) -> None:
-    """Add problems: unfit names of gauges, and --gauges or --interval used alone."""
+    """Add problems of the table of strains, --gauges, and of the names in it.
+
+    They are --interval without --gauges, --gauges without any gauge, and names that do
+    not fit a table. Names of the case are checked only if a table is written.
+    """
     if args.interval is not None and args.gauges is None:
         args.problems.append(("--interval", "goes with --gauges, whose rows it spaces"))
     gauges_table = args.gauges  # path of the table of strains, or None
     if args.gauge or gauges_table:
-        path = "gauges"
+        path = "gauges"  # the table of the case
         if args.gauge:
             path = "--gauge"
         for name in positions:

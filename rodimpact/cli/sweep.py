@@ -37,7 +37,7 @@ OUTPUT_HINT = "--csv prints all, --save keeps them"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """The case, what varies, options of the runs, and the outputs."""
+    """Add arguments: the case, what varies, options of the runs, the outputs."""
     parser.add_argument("case", metavar="CASE.toml", help="the case file")
     parser.add_argument(
         "--vary",
@@ -111,7 +111,8 @@ def run(args: Arguments) -> CommandResult:
             workers=args.workers,
             **options,
         )
-    # A quantity that no collision has is refused here; the table tells why.
+    # A figure of a quantity that no collision has is refused when it is written; the
+    # table says why.
     quantity = args.quantity
     draw = figure_writer(
         lambda plot: plot.sweep(result, quantity=quantity, varied=case.varied)

@@ -54,7 +54,7 @@ class Check(NamedTuple):
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """The form of the answer."""
+    """Add the option --json."""
     parser.add_argument("--json", action="store_true", help="print JSON")
 
 

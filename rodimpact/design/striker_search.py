@@ -136,6 +136,7 @@ class StrikerSearch(NamedTuple):
         velocity_ratio = force / (bar.impedance * self.velocity)
         highest_ratio = 1 - REFLECTION_MARGIN
         velocity_ratio = np.clip(velocity_ratio, REFLECTION_MARGIN, highest_ratio)
+        # F/(Z V) = Z1/(Z + Z1), solved for Z1
         impedance = velocity_ratio / (1 - velocity_ratio) * bar.impedance
         material = self.material
         areas = impedance / (material.density * material.wave_speed)

@@ -199,12 +199,13 @@ def _fit_from_sweep(task: _Task, vary: Mapping[str, Any], search_count: int) -> 
     """Fit without additions: one search from each of the best points of a sweep."""
     grids = _grids(task, vary)
     points = _starting_points(grids.coarse, search_count)
-    sizes = sizes_of_numbers(grids.fine, points[0])
+    sizes = sizes_of_numbers(grids.fine, points[0])  # gains have those of this point
     ends = []
     for point in points:
         ends.append(search_on(grids, point, sizes))
     ends.sort(key=lambda end: end.cost)
-    return Trial("", summarise(grids.fine, ends, sizes), grids.fine, ends[0])
+    fit = summarise(grids.fine, ends, sizes)
+    return Trial(name="", fit=fit, objective=grids.fine, end=ends[0])
 
 
 def _fit_with_addition(

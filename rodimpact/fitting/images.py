@@ -86,7 +86,7 @@ def _force_on_end(solution: Solution, body: int, side: int, times: Floats) -> An
     InvalidModel
         If no body touches the end, and it is not free either.
     """
-    contact = body - 1 + side
+    contact = body - 1 + side  # contact k lies between the bodies k and k + 1
     if 0 <= contact < len(solution.contacts):
         return solution.contacts[contact].force(times)
     end = solution.system.ends[side]

@@ -179,7 +179,10 @@ class Objective:
     # Predictions
 
     def signals(self, shares: Iterable[Floats]) -> list[list[Signal]]:
-        """Prediction of each record before shift, gain and blur, for several shares."""
+        """Predictions before shift, gain and blur: for each of the shares, by record.
+
+        Each system is solved once. `on_solved` is called after each.
+        """
         systems = list(map(self.system_at, shares))
         strains_of_systems = self._map(self._compute_strains, systems)
         signals_of_systems = []
@@ -288,6 +291,7 @@ class Objective:
         indices = self._index[GAIN]
         point[indices] = 1.0
         model = self._predictions(curves, point)
+        # Index in the point of the gain of each sample
         index_of_sample = indices[self._record_of_sample]
         size = len(point)
         cross = np.bincount(index_of_sample, model * self._recorded, size)

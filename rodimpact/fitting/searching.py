@@ -24,12 +24,11 @@ DIFFERENCE_STEP = 1e-5
 
 
 def coarse_shares(initial: Sequence[float]) -> list[Floats]:
-    """Shares that fill the space between the bounds evenly, first those of the system.
+    """Points that fill the space between the bounds evenly, as shares of n numbers.
 
-    There are `POINTS_PER_PARAMETER` for each number, all together; `initial` are those
-    of the system. The others are the R-sequence from 0.5 on, modulo 1: multiples of the
-    powers of 1/x with x^(n+1) = x + 1 for n numbers. Each new point lies far from all
-    before it.
+    There are `POINTS_PER_PARAMETER` n points. The first is `initial`, that of the
+    system. The others are the R-sequence: point k is 0.5 + k (1/x, 1/x^2, ..., 1/x^n)
+    modulo 1, with x^(n+1) = x + 1. Each new point lies far from all before it.
     """
     n = len(initial)
     root = 2.0

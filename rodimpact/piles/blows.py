@@ -232,7 +232,12 @@ def blows(
 
 
 def check_pile(system: Any) -> PileRow:
-    """The parts of a row that drives a pile; InvalidModel for another row."""
+    """The parts of a row that drives a pile; InvalidModel for another row.
+
+    From left to right the row must have a ram that moves to the right, any number of
+    rigid masses, a rod, and a wall as the last body, all but the ram at rest. Its ends
+    must be free, and the law at the wall must yield.
+    """
     check_kind(
         "system", system, System, "rodimpact.System([ram, pile, rodimpact.Wall()])"
     )
@@ -509,6 +514,7 @@ def _bodies_that_left(solution: Solution, row: PileRow) -> int:
 
     A body has left if it rises and its contact with the body below has been open for a
     round trip of waves in the pile. A mass can only leave if the bodies above it have.
+    In a run shorter than a round trip no body has left.
     """
     end = solution.t_end
     round_trip = _round_trip(solution.system, row)
@@ -530,7 +536,7 @@ def _kinetic_energy(solution: Solution, body: int) -> float:
     fields = solution.fields
     description: Any = solution.system.bodies[body]
     if isinstance(description, Rod):
-        return fields.energy(body, fields.end, 0.0).kinetic
+        return fields.energy(body, fields.end, velocity=0.0).kinetic
     velocity = float(solution.velocity(body, 0.0, solution.t_end))
     return float(description.mass) * velocity**2 / 2
 

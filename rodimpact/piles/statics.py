@@ -152,7 +152,7 @@ def nodes_of(row: Row, mesh: Mesh, body: int) -> slice:
     if first_segment <= last_segment:  # only a rod has segments
         return slice(mesh.first[first_segment], mesh.last[last_segment] + 1)
     mass = row.mass_of[body]
-    if not 0 <= mass < len(mesh.node_of_mass):
+    if not 0 <= mass < len(mesh.node_of_mass):  # a wall
         return slice(0, 0)
     node = mesh.node_of_mass[mass]
     return slice(node, node + 1)
