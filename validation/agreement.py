@@ -37,7 +37,7 @@ ROWS_OF_RODS = {  # transit times
 
 
 def run() -> Rows:
-    """Pairs, rows that touch, random rows, and the grid."""
+    """Compare pairs, rows that touch, random rows, and the grid."""
     yield from pairs()
     yield from touching_rows()
     yield from random_rows(whole_numbers=True)
@@ -104,7 +104,7 @@ def random_transit_time(rng: Generator, whole_number: bool) -> float:
 
 
 def random_row(rng: Generator, whole_numbers: bool) -> ri.System:
-    """Two to four rods with gaps, walls at some ends."""
+    """Random row of two to four moving rods with gaps; each end may have a wall."""
     bodies: list[ri.Rod | ri.Wall] = []
     for _ in range(rng.integers(2, 5)):
         transit_time = random_transit_time(rng, whole_numbers)
@@ -138,7 +138,7 @@ def impulse_error(system: ri.System) -> float:
 
 
 def random_rows(whole_numbers: bool) -> Rows:
-    """Rows with contacts that close at any time: the largest error of an impulse."""
+    """Largest relative error of an impulse in random rows with gaps and walls."""
     lengths = "without common measure"
     bound = 1e-12
     if whole_numbers:

@@ -45,7 +45,7 @@ AREA_RATIOS = (0.1, 3.0, 20.0)  # brass over steel
 
 
 def run() -> Rows:
-    """Identical rods, a rod on a wall, unequal lengths, equal transit times."""
+    """Compare identical rods, a rod on a wall, unequal lengths, equal transit times."""
     yield from identical_rods()
     yield from rod_on_wall()
     for name, (short, long) in LENGTHS.items():
@@ -60,7 +60,10 @@ def rod(length: float, velocity: float = 0.0) -> ri.Rod:
 
 
 def identical_rods() -> Rows:
-    """A steel rod of 1 m runs into an identical rod at rest: e = 1 after 2 L/c."""
+    """e, velocities, vibration and contact time of two identical steel rods of 1 m.
+
+    The second one is at rest before. The wave speed of steel is compared, too.
+    """
     striker = rod(1.0, SPEED)
     struck = rod(1.0)
     outcome = ri.collide(striker, struck)
@@ -89,7 +92,7 @@ def identical_rods() -> Rows:
 
 
 def rod_on_wall() -> Rows:
-    """A steel rod of 1 m runs into a rigid wall: e = 1 after 2 L/c."""
+    """e, velocity, vibration and contact time of a steel rod of 1 m on a rigid wall."""
     striker = rod(1.0, SPEED)
     outcome = ri.collide(striker, ri.Wall())
     velocity = outcome.velocities_after[0]
@@ -182,7 +185,7 @@ def impedance(rod: ri.Rod) -> float:
 
 
 def equal_transit_times() -> Rows:
-    """Steel on brass, equal transit times, very different impedances: e = 1."""
+    """e of steel on brass at equal transit times and very different impedances: 1."""
     brass = ri.materials.brass
     length = 0.5 * float(brass.wave_speed) / float(STEEL.wave_speed)
     for area_ratio in AREA_RATIOS:

@@ -18,7 +18,7 @@ SPEED = 0.1
 
 
 def run() -> Rows:
-    """The two bars touch at t = 0."""
+    """Contact time, force, e and velocities of the two bars, which touch at t = 0."""
     left = rod(LENGTH, AREA, velocity=SPEED)
     right = rod(LENGTH, AREA, velocity=-SPEED)
     outcome = ri.collide(left, right)

@@ -18,7 +18,7 @@ SPEED = 1.0  # m/s
 
 
 def run() -> Rows:
-    """The striker meets the target, which is bonded to a wall."""
+    """Contact time, velocity and energies after, of a striker and a bonded target."""
     striker = ri.Rod(LENGTH, area=AREA, material=STEEL, velocity=SPEED)
     target = ri.Rod(LENGTH, area=AREA, material=STEEL)
     contacts = [ri.Rigid(), ri.Bonded()]

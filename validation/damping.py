@@ -46,7 +46,7 @@ MS = 1e3  # milliseconds in a second
 
 
 def run() -> Rows:
-    """Modes, restitution, energy."""
+    """Compare modes, restitution, energy."""
     for ends in ENDS:
         for n in (1, 2, 5):
             yield from mode(ends, n)
@@ -210,7 +210,7 @@ def solve_damped_pair(tau: float, Z1: float = 1.0, Z2: float = 1.0) -> ri.Outcom
 
 
 def restitution() -> Rows:
-    """e of rods of one material and thickness."""
+    """e and balances of rods of one material and thickness at several dampings."""
     case = Case("damped rods 0.4 : 1", "conserved")
     for tau in (0.2, 0.1, 0.05, 0.02):
         expected = restitution_by_modes(tau)

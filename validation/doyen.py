@@ -40,7 +40,7 @@ STEP = 1 / 150  # step of the times at which forces are compared, a 50th of L/c
 
 
 def run() -> Rows:
-    """The bar to the right of the floor is thrown, then dropped."""
+    """Compare the bar on the right of the floor, when thrown and when dropped."""
     yield from thrown()
     yield from dropped()
 

@@ -33,7 +33,7 @@ T1, T2, T3, Z1, Z2, Z3 = sympy.symbols("T1:4 Z1:4", positive=True)
 
 
 def run() -> Rows:
-    """The box, pairs, rows of three, a stepped striker."""
+    """Compare the box, pairs, rows of three, a stepped striker."""
     yield from box()
     yield from pair((2, 5), (2, 3), {T1 < T2, Z1 < Z2})
     for K in (1, 2, 3):
@@ -45,7 +45,7 @@ def run() -> Rows:
 
 
 def box() -> Rows:
-    """Rods of one material and area, lengths 2 : 5: e = l1/l2."""
+    """Formula and cell of rods of one material and area, lengths 2 : 5: e = l1/l2."""
     first = rod(2, velocity=1.0)
     second = rod(5)
     system = ri.System([first, second])
@@ -93,7 +93,7 @@ def pair(
 
 
 def three_equal_rods() -> Rows:
-    """Three rods of one impedance: the third leaves at T1/T3, the others rest."""
+    """Formulas of the velocities of three rods of one impedance: 0, 0 and T1/T3."""
     first = rod(1, velocity=1.0)
     resting = rod(1)
     system = ri.System([first, resting, resting])
@@ -108,7 +108,7 @@ def three_equal_rods() -> Rows:
 
 
 def three_rods() -> Rows:
-    """Three rods of different impedances, against runs on fractions."""
+    """Formulas of three rods of different impedances, against runs on fractions."""
     first = rod(2, impedance=1, velocity=1.0)
     second = rod(3, impedance=2)
     third = rod(4, impedance=0.75)
@@ -123,7 +123,7 @@ def three_rods() -> Rows:
 
 
 def stepped_striker() -> Rows:
-    """A striker of two pieces on a plain rod, against runs on fractions."""
+    """Formulas of a striker of two pieces on a plain rod, against runs on fractions."""
     first = ri.Segment(3.1, 1, UNIT)
     second = ri.Segment(2, 3, UNIT)
     striker = ri.Rod(segments=[first, second], velocity=1.0)

@@ -28,7 +28,7 @@ X = np.linspace(0.0, 1.0, 41)
 
 
 def released_bar() -> ri.System:
-    """Floor, compressed bar, and a wall that is bonded to the bar."""
+    """System of a floor, a compressed bar, and a wall that is bonded to the bar."""
     bar = rod(1.0, strain=-0.5)
     bodies = [ri.Wall(), bar, ri.Wall()]
     contacts = [ri.Rigid(), ri.Bonded()]
@@ -36,7 +36,7 @@ def released_bar() -> ri.System:
 
 
 def run() -> Rows:
-    """Two periods by wave fronts, then ten by characteristics."""
+    """Compare two periods by wave fronts, then ten by characteristics."""
     yield from by_fronts()
     yield from by_characteristics()
 
@@ -64,7 +64,7 @@ def expected_force(t: np.ndarray) -> np.ndarray:
 
 
 def by_fronts() -> Rows:
-    """Two periods by wave fronts, which are exact."""
+    """Height, force, contacts and state over two periods, by wave fronts."""
     end = 6.75
     solution = ri.solve(released_bar(), until=end)
     floor = solution.contacts[0]
@@ -97,7 +97,7 @@ def state_change(solution: ri.Solution, t: float) -> float:
 
 
 def by_characteristics() -> Rows:
-    """Ten periods by characteristics, in which nothing may drift."""
+    """Contacts, height, force and drift over ten periods, by characteristics."""
     end = PERIOD * PERIODS
     solution = ri.solve(released_bar(), until=end, method="characteristics")
     floor = solution.contacts[0]

@@ -29,7 +29,7 @@ RANDOM_ROWS = 50
 
 
 def run() -> Rows:
-    """The box, its kink, a pair near 2 : 5, random rows of three."""
+    """Compare the box, its kink, a pair near 2 : 5, random rows of three."""
     yield from box()
     yield from kink_of_the_box()
     yield from near_two_to_five()

@@ -60,7 +60,7 @@ STIFFNESS = 10.0  # stiffness of a Hertz contact
 
 
 def run() -> Rows:
-    """Jumps, then systems in which everything is smooth."""
+    """Compare jumps, then systems in which everything is smooth."""
     for name, system in systems_with_jumps().items():
         yield from jumps(name, system)
     yield from pulse()
@@ -162,7 +162,7 @@ def meeting_twice() -> dict[str, ri.System]:
 
 
 def systems_with_jumps() -> dict[str, ri.System]:
-    """Twelve systems."""
+    """Twelve systems of rods by name; their waves jump."""
     systems = pairs()
     systems.update(longer_rows())
     systems["initial strain"] = strained_rods()
@@ -310,6 +310,7 @@ def pulse() -> Rows:
     T2 = 1.9
     step = T1 * c1
     places = np.linspace(0.0, step + T2 * c2, 40_001)
+    # At t = 0; the pulse is symmetric, so the sign of the delay does not matter.
     start = pulse_velocity(places / c1 - T1 + PULSE_DISTANCE)
     first = segment(Z1, c1, T1)
     second = segment(Z2, c2, T2)

@@ -26,7 +26,7 @@ CELLS = (100, 200, 400)  # cells with which the loss at a contact is compared
 
 
 def run() -> Rows:
-    """Gravity, mass on rod, loss at contact, ends, Hopkinson bar."""
+    """Compare gravity, mass on rod, loss at contact, ends, Hopkinson bar."""
     yield from dropped_bar()
     for mass_ratio in mass_on_rod.FREE_MASSES:
         yield from struck_rod(mass_ratio)
@@ -193,7 +193,7 @@ def absorbed_pulse() -> Rows:
 
 
 def hopkinson_bar() -> Rows:
-    """Striker, incident bar, spring, transmitted bar; 500 cells in the incident bar."""
+    """Pulse, force and energies of a Hopkinson bar, 500 cells in the incident bar."""
     end = hopkinson.END
     system = hopkinson.pressure_bar()
     solution = ri.solve(system, method=METHOD, cells=500, until=end)

@@ -51,7 +51,10 @@ RADII = {"5 mm": 0.005, "50 mm": 0.05, "1 m": 1.0, "20 m": 20.0}  # radii of end
 
 
 def solve_pair(k: float, V: float = 1.0) -> ri.Outcome:
-    """Rods 0.4 and 1 long, impedance and wave speed 1; kappa is k V^(1/2)."""
+    """Outcome of rods 0.4 and 1 long with Hertz ends, closing at speed V.
+
+    Impedance and wave speed are 1, so kappa is k V^(1/2).
+    """
     short = rod(SHORT, velocity=V)
     long = rod(1.0)
     contact = ri.Hertz(k)
@@ -74,7 +77,7 @@ def restitution_by_steps(k: float, V: float = 1.0, until: float = 3.0) -> float:
 
 
 def run() -> Rows:
-    """Values by kappa, limits, closing speeds."""
+    """Compare values by kappa, limits, closing speeds."""
     yield from by_stiffness()
     yield from by_speed()
     yield from one_stiffness()
@@ -119,7 +122,7 @@ def by_stiffness() -> Rows:
 
 
 def by_speed() -> Rows:
-    """e at three closing speeds, by the method of steps."""
+    """e at three closing speeds, beside the method of steps."""
     k = 10.0
     case = Case(f"Hertz ends, k = {k:g}", "method of steps")
     for V in SPEEDS:
@@ -129,7 +132,7 @@ def by_speed() -> Rows:
 
 
 def one_stiffness() -> Rows:
-    """e is the same for every k and V of one kappa."""
+    """Largest difference of e for several k and V of one kappa."""
     kappa = 10.0
     differences = []
     for V in (1e-4, 1e2):

@@ -62,14 +62,14 @@ BY_HAND = "spring between bars, by hand"
 
 
 def run() -> Rows:
-    """The closed form, a jump on a spring between endless bars, measured pulses."""
+    """Compare the closed form, a jump on a spring between bars, and measured pulses."""
     yield from bars_and_specimen()
     yield from endless_bars()
     yield from measured_pulses()
 
 
 def pressure_bar() -> ri.System:
-    """Striker, incident bar, spring, transmitted bar."""
+    """System of striker, incident bar, spring and endless transmitted bar."""
     striker = rod(STRIKER_LENGTH, velocity=1.0)
     incident = rod(INCIDENT_LENGTH)
     transmitted = rod(TRANSMITTED_LENGTH)

@@ -47,7 +47,7 @@ Area = Callable[[np.ndarray], np.ndarray]
 
 
 def run() -> Rows:
-    """Cones, fronts, modes, and horns that are struck by rods."""
+    """Compare cones, fronts, modes, and horns that are struck by rods."""
     yield from driven_cone()
     for name, area in horns_with_fronts().items():
         yield from front(name, area)
@@ -171,7 +171,10 @@ class Mode(NamedTuple):
 
 
 def free_mode(n: int) -> Rows:
-    """A mode between free ends: u = exp(-beta x) (cos k x + (beta/k) sin k x)."""
+    """Frequency of mode n between free ends, started alone.
+
+    u = exp(-beta x) (cos k x + (beta/k) sin k x), with k = n pi.
+    """
     k = n * math.pi
     shape = np.cos(k * SAMPLES) + BETA / k * np.sin(k * SAMPLES)
     ends = (ri.Free(), ri.Free())
@@ -180,7 +183,7 @@ def free_mode(n: int) -> Rows:
 
 
 def fixed_mode(n: int) -> Rows:
-    """A mode between fixed ends: u = exp(-beta x) sin k x."""
+    """Frequency of mode n between fixed ends: u = exp(-beta x) sin k x."""
     k = n * math.pi
     shape = np.sin(k * SAMPLES)
     ends = (ri.Fixed(), ri.Fixed())

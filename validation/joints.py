@@ -98,7 +98,7 @@ ENERGY_BOUND = 1e-12  # energy that may be missing in the balance, by any method
 
 
 def run() -> Rows:
-    """Modes, dashpots, a mass."""
+    """Compare modes, dashpots, a mass."""
     for method in METHODS:
         yield from frequencies(method)
     for method in METHODS:
@@ -192,7 +192,7 @@ def tenth_zero(contact: ri.ContactHistory) -> float:
 
 
 def frequencies(method: Method) -> Rows:
-    """The three lowest modes, each in a run of its own."""
+    """Frequencies of the three lowest modes, each started alone in a run of its own."""
     w, shapes, _ = modes(count=3)
     case = Case(f"two rods on a spring, {method.name}", SUM_OF_MODES)
     for m in range(3):

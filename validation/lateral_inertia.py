@@ -48,7 +48,7 @@ UNIT_CELLS = 200
 
 
 def run() -> Rows:
-    """Phase velocities, then rises."""
+    """Compare phase velocities, then rises."""
     for half_waves in (2, 4, 6, 8, 10):
         yield from phase_velocity(half_waves)
     yield from rises()

@@ -45,7 +45,7 @@ BODY_LENGTH = 20.0
 
 
 def run() -> Rows:
-    """Maps of pairs, equal areas, equal transit times, re-contact, chains, cradles."""
+    """Compare maps of pairs, equal areas or transit times, noses, chains, cradles."""
     yield from map_of_pairs()
     yield from equal_areas()
     yield from equal_transit_times()
@@ -55,7 +55,10 @@ def run() -> Rows:
 
 
 def map_of_pairs() -> Rows:
-    """Steel rods over a map of lengths and areas, against Saint-Venant's formula."""
+    """Errors of e, impulse and vibration over a map of lengths and areas of rods.
+
+    The reference is Saint-Venant's formula.
+    """
     lengths = np.geomspace(0.1, 10, 48)[:, None]
     areas = AREA * np.geomspace(0.1, 10, 52)
     first = ri.Rod(lengths, area=areas, material=STEEL, velocity=1.0)
@@ -86,7 +89,7 @@ def map_of_pairs() -> Rows:
 
 
 def equal_areas() -> Rows:
-    """Steel rods of one area: e is the shorter length over the longer."""
+    """Largest error of e of steel rods of one area: shorter length over longer."""
     ratio = np.linspace(0.05, 3, 119)
     first = ri.Rod(ratio, area=AREA, material=STEEL, velocity=1.0)
     second = ri.Rod(1.0, area=AREA, material=STEEL)
@@ -99,7 +102,7 @@ def equal_areas() -> Rows:
 
 
 def equal_transit_times() -> Rows:
-    """Steel on brass rods of equal transit times: e = 1."""
+    """Largest error of e of steel on brass rods of equal transit times: e = 1."""
     length = BRASS.wave_speed / STEEL.wave_speed
     areas = AREA * np.geomspace(0.1, 10, 52)
     first = ri.Rod(1.0, area=AREA, material=STEEL, velocity=1.0)
@@ -113,7 +116,10 @@ def equal_transit_times() -> Rows:
 
 
 def second_contacts() -> Rows:
-    """A rod with a nose before a heavy body, struck by a rod of impedance 1."""
+    """Pairs with a second contact: a rod strikes a nose before a heavy body.
+
+    The striker has impedance 1. The number of contacts follows from z < 1 + 2 r T/L.
+    """
     z = np.linspace(1.01, 2.6, 32)[:, None]
     L = np.linspace(1.05, 3.0, 40)
     Z = BODY_IMPEDANCE
@@ -196,7 +202,7 @@ def chains() -> Rows:
 
 
 def complete_sweep(family: ri.System) -> ri.SweepResult:
-    """Results of a family of which every member comes to its end."""
+    """Results of a family; ValueError if a member does not come to its end."""
     result = ri.sweep(family)
     if result.incomplete.any():
         incomplete = np.argwhere(result.incomplete)
@@ -216,7 +222,7 @@ def cradle(length: object = 1.0, area: object = 1.0) -> ri.SweepResult:
 
 
 def cradles() -> Rows:
-    """Newton's cradles of five rods, the first unlike the others."""
+    """Velocities after of cradles of five rods, the first unlike the others."""
     length_ratio = np.linspace(0.26, 3.0, 138)
     expected = [np.zeros(length_ratio.shape)]
     for k in (3, 2, 1, 0):

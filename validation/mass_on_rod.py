@@ -65,7 +65,7 @@ LAST_CONTACTS = {  # keys: mass ratios M/m
 
 
 def run() -> Rows:
-    """Free rods, fixed rods."""
+    """Compare free rods, fixed rods."""
     for mass_ratio in FREE_MASSES:
         yield from on_free_rod(mass_ratio)
     for mass_ratio in FIRST_CONTACTS:
@@ -92,7 +92,7 @@ def exact_on_free_rod(mass_ratio: float) -> FreeImpact:
 
 
 def on_free_rod(mass_ratio: float) -> Rows:
-    """A mass at speed 1 strikes a free rod; default tolerance."""
+    """e, impulse, contact time and energy of a mass that strikes a free rod."""
     striker = ri.RigidMass(mass_ratio, velocity=1.0)
     system = ri.System([striker, ROD])
     outcome = ri.solve(system).outcome
@@ -118,7 +118,10 @@ def fixed_rod(mass_ratio: float) -> ri.System:
 
 
 def on_fixed_rod(mass_ratio: float) -> Rows:
-    """The first contact, and what is left after the last one."""
+    """First contact of a mass and a fixed rod, and velocity after the last contact.
+
+    Of the first contact these are time, peak stresses, and velocity after it.
+    """
     name = f"mass on rod with fixed end, M/m = {mass_ratio:g}"
     case = Case(name, "delay equation, step by step")
     computed = first_contact(mass_ratio)

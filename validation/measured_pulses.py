@@ -189,7 +189,7 @@ def record(shot: Shot) -> list[ri.Signal]:
 
 
 def section_of(shot: Shot, theory: str | None) -> dict[str, Any]:
-    """Arguments of a rod for the cross-section of a bar."""
+    """Arguments of a rod for a bar's section: a diameter, or area and polar moment."""
     if shot.side is None:
         return {"diameter": 2 * shot.bar.radius}
     polar_moment = None
@@ -399,7 +399,7 @@ def run() -> Rows:
 
 
 def titanium_by_moduli() -> Rows:
-    """The wave speed of titanium is that of E and rho."""
+    """Misfit and striker's length for titanium at the wave speed of E and rho."""
     fit = fitted(TITANIUM, STIFFNESS_BOUNDS, speed=TITANIUM_SPEED_FROM_MODULI)
     misfit = 100 * fit.misfits[0]
     length = 1e3 * fit.values[LENGTH]
@@ -410,7 +410,7 @@ def titanium_by_moduli() -> Rows:
 
 
 def titanium_with_free_speed() -> Rows:
-    """The wave speed of titanium is found."""
+    """Misfit and wave speed of titanium, if the wave speed is fitted, too."""
     vary = {SPEED: (4200.0, 5400.0)}
     fit = fitted(TITANIUM, STIFFNESS_BOUNDS | vary, starts=3)
     misfit = 100 * fit.misfits[0]

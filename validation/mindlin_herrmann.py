@@ -53,7 +53,7 @@ RADII_OVER_WAVELENGTH = np.linspace(0.0, 0.6, 2001)
 
 
 def run() -> Rows:
-    """Phase velocities, the energy of a row, fronts, pulses, and a front far away."""
+    """Compare phase velocities, the energy of a row, fronts, pulses, a far front."""
     for tenths in range(1, 7):
         yield from phase_velocities(tenths)
     yield from energy()
@@ -345,7 +345,10 @@ def distances() -> Rows:
 
 
 def far_front() -> Rows:
-    """A step after 50 000 diameters, in times of (3 nu^2 a^2 x/4)^(1/3)/c."""
+    """Overshoot, arrival and first peak of a step after 50 000 diameters.
+
+    The unit of time is (3 nu^2 a^2 x/4)^(1/3)/c.
+    """
     bar = ri.waves.Bar(wave_speed=5000.0, poisson_ratio=NU, radius=PULSE_RADIUS)
     x = 50_000 * 2 * bar.radius
     unit = (3 * (NU * bar.radius) ** 2 * x / 4) ** (1 / 3) / bar.wave_speed

@@ -237,7 +237,7 @@ def event_of_free_pair() -> float:
 
 
 def event_of_row(n: int) -> float:
-    """Rods of random lengths, impedances and velocities, all touching at first."""
+    """Time of an event of n random rods, all of which touch at first, s."""
     rng = default_rng(0)
     T = rng.integers(1, 30, n)
     Z = rng.uniform(0.5, 2.0, n)
@@ -400,7 +400,7 @@ def cell_on_grid(material: ri.Material, theory: str | None = None) -> float:
 
 
 def measure() -> dict[str, float]:
-    """Every time but those of the yardsticks, s."""
+    """Measure all times except those of the yardsticks; s, by name."""
     times = {}
     times["collide() of two rods, interpreted, fresh"] = number_printed_by(COLLIDE)
     times["a compiled collision of two rods, proof included"] = collision_of_family()

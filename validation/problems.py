@@ -26,7 +26,7 @@ BALL_MASS = 0.3  # kg; beside the infinite mass of the ground any value will do
 
 
 def run() -> Rows:
-    """Problems 10.5.1 to 10.5.12; two parts belong to 10.5.9, numbers and formulas."""
+    """Compare problems 10.5.1 to 10.5.12; 10.5.9 has numbers and formulas."""
     yield from eleven_questions()
     yield from two_heights()
     yield from embedded_bullet()
@@ -48,7 +48,7 @@ def relative_difference(got: rigid.Number, expected: rigid.Number) -> float:
 
 
 def eleven_questions() -> Rows:
-    """10.5.1: 1 kg at 10 m/s runs into 2 kg at 5 m/s and goes on at 6 m/s."""
+    """10.5.1, eleven numbers: 1 kg at 10 m/s hits 2 kg at 5 m/s, goes on at 6 m/s."""
     m1 = 1.0
     v1 = 10.0
     w1 = 6.0  # after the collision
@@ -84,7 +84,7 @@ def eleven_questions() -> Rows:
 
 
 def two_heights() -> Rows:
-    """10.5.2: a ball dropped from 10 m rises to 6.4 m."""
+    """10.5.2, e and second bounce: a ball dropped from 10 m rises to 6.4 m."""
     e = rigid.restitution_from_heights(drop=10.0, rebound=6.4)
     bounces = follow_bounces(
         h=np.array(10.0), e=np.array(e), g=np.array(GRAVITY), bounces=2
@@ -125,7 +125,7 @@ def embedded_bullet() -> Rows:
 
 
 def one_bounce() -> Rows:
-    """10.5.4: height of a bounce, e^2 h, whatever the gravity."""
+    """10.5.4, largest error of the height of a bounce: e^2 h at any gravity."""
     heights = [0.1, 1.0, 30.0]  # m
     gravities = [1.6, 9.81, 25.0]  # m/s^2
     restitutions = np.linspace(0.05, 0.95, 19)
@@ -173,7 +173,7 @@ def matrix_form() -> Rows:
 
 
 def impulse_and_velocities() -> Rows:
-    """10.5.6: 7 kg at 6 m/s on 9 kg at 2 m/s, e = 1/2."""
+    """10.5.6, impulse and velocities after: 7 kg at 6 m/s on 9 kg at 2 m/s, e = 1/2."""
     m1 = 7.0
     v1 = 6.0
     m2 = 9.0
@@ -191,7 +191,7 @@ def impulse_and_velocities() -> Rows:
 
 
 def energy_lost() -> Rows:
-    """10.5.7: 2 kg at 5 m/s on 5 kg at 1 m/s, e = 1/2."""
+    """10.5.7, energy lost: 2 kg at 5 m/s on 5 kg at 1 m/s, e = 1/2."""
     m1 = 2.0
     v1 = 5.0
     m2 = 5.0
@@ -307,7 +307,7 @@ def shot(m: Any, m_a: Any, m_b: Any, v_a: Any, v_b: Any) -> Shot:
 
 
 def bullet_through_block() -> Rows:
-    """10.5.9: a bullet of 20 g through a block of 1 kg into one of 2 kg."""
+    """10.5.9, speeds and losses: a bullet of 20 g through 1 kg into 2 kg."""
     bullet = shot(m=0.02, m_a=1.0, m_b=2.0, v_a=4.0, v_b=3.0)
     answers = {  # quantity: expected, computed
         "initial speed, m/s": (503.0, bullet.initial_speed),
@@ -323,7 +323,10 @@ def bullet_through_block() -> Rows:
 
 
 def random_bullets() -> Rows:
-    """10.5.9 as formulas: random bullets that go through A and stay in B."""
+    """10.5.9 as formulas, errors of speeds and losses of random bullets.
+
+    They go through A and stay in B.
+    """
     rng = default_rng(9)
     logarithms = rng.uniform(-2, 0, (4, DRAWS))
     m, m_a, m_b, v_a = 10.0**logarithms
@@ -486,7 +489,10 @@ def approaching(rng: Generator) -> tuple[np.ndarray, ...]:
 
 
 def no_energy_from_nothing() -> Rows:
-    """10.5.11: energy is gained outside -1 <= e <= 1, and only there."""
+    """10.5.11, random collisions with a wrong change of energy: none.
+
+    Energy is gained outside -1 <= e <= 1, and only there.
+    """
     rng = default_rng(11)
     m1, v1, m2, v2 = approaching(rng)
     signs = rng.choice([-1, 1], DRAWS)
@@ -527,7 +533,7 @@ def no_energy_from_nothing() -> Rows:
 
 
 def largest_loss() -> Rows:
-    """10.5.12: of all e, 0 loses most energy."""
+    """10.5.12, energy lost in random collisions at 41 values of e: 0 loses most."""
     rng = default_rng(12)
     m1, v1, m2, v2 = approaching(rng)
     restitutions = np.linspace(-1, 1, 41)

@@ -34,7 +34,7 @@ def run() -> Rows:
 
 
 def all_lengths(case: Case) -> Rows:
-    """Rods of one material and area, all lengths up to 30: e = l1/l2."""
+    """Number of wrong e of rods of one area, all lengths up to 30: e = l1/l2."""
     count = 0
     wrong = 0
     for l2 in LENGTHS:
@@ -47,7 +47,7 @@ def all_lengths(case: Case) -> Rows:
 
 
 def all_pairs(case: Case) -> Rows:
-    """All pairs of small whole numbers, by Saint-Venant's formula."""
+    """Number of wrong e of all pairs of small whole numbers, by Saint-Venant."""
     count = 0
     wrong = 0
     for pair in product(IMPEDANCES, TRANSIT_TIMES, IMPEDANCES, TRANSIT_TIMES):

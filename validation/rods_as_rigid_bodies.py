@@ -84,7 +84,7 @@ def run() -> Rows:
 
 
 def uniform(rng: Generator, direction: float) -> ri.Rod:
-    """A moving rod of impedance and transit time log-uniform over 1 : 30."""
+    """A random moving rod; impedance and transit time are log-uniform from 1 to 30."""
     logarithms = rng.uniform(0, np.log(30.0), 2)
     Z, T = np.exp(logarithms).tolist()
     speed = float(rng.uniform(0.6, 2.0))
@@ -92,7 +92,7 @@ def uniform(rng: Generator, direction: float) -> ri.Rod:
 
 
 def stepped(rng: Generator, direction: float) -> ri.Rod:
-    """A rod of two or three pieces, whose transit times are whole numbers."""
+    """A random moving rod of two or three pieces; transit times are whole numbers."""
     pieces = []
     for _ in range(rng.integers(2, 4)):
         transit_time = float(rng.integers(1, 5))
@@ -179,7 +179,7 @@ def as_rigid_bodies(kind: str, systems: Iterable[ri.System]) -> Rows:
 
 
 def every_speed() -> Rows:
-    """Steel on brass at closing speeds from 1 um/s to 100 m/s."""
+    """Spread of e of steel on brass at closing speeds from 1 um/s to 100 m/s."""
     restitutions = []
     speeds = 10.0 ** np.arange(-6, 3)
     for speed in speeds.tolist():
@@ -192,7 +192,7 @@ def every_speed() -> Rows:
 
 
 def newtons_ratios() -> Rows:
-    """Steel rods whose lengths have the ratios that Newton measured."""
+    """e of steel rods whose lengths have the ratios of e that Newton measured."""
     source = "Newton, Principia, translated by Motte and Cajori (1947), page 25"
     for ball, e in NEWTON.items():
         short = e.numerator / 20
@@ -205,7 +205,7 @@ def newtons_ratios() -> Rows:
 
 
 def thin_or_thick_ends() -> Rows:
-    """Stepped rods on a wall, and two of them as mirror images."""
+    """e of stepped rods on a wall, and of two of them as mirror images."""
     for impedances, e in STEPPED.items():
         pieces = [ri.Segment(1.0, Z, UNIT) for Z in impedances]
         rod = ri.Rod(segments=pieces, velocity=-1.0)

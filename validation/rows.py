@@ -25,7 +25,7 @@ RODS = 5  # rods of a cradle
 
 
 def run() -> Rows:
-    """Cradles, a relay of three, a chain of eight."""
+    """Compare cradles, a relay of three, a chain of eight."""
     yield from cradle(moving=1)
     yield from cradle(moving=2)
     yield from relay()
@@ -38,7 +38,7 @@ def rod(length: float, velocity: float) -> ri.Rod:
 
 
 def cradle(moving: int) -> Rows:
-    """Five equal rods, the first `moving` of them at 1 m/s."""
+    """Velocities and vibration of five equal rods, the first `moving` at 1 m/s."""
     resting = RODS - moving
     velocities = [1.0] * moving + [0.0] * resting
     expected = [0.0] * resting + [1.0] * moving
@@ -53,7 +53,7 @@ def cradle(moving: int) -> Rows:
 
 
 def relay() -> Rows:
-    """Rods of 0.2 m, 0.3 m and 1 m, the first at 1 m/s."""
+    """Velocities after of rods of 0.2 m, 0.3 m and 1 m, the first at 1 m/s."""
     first = rod(0.2, 1.0)
     second = rod(0.3, 0.0)
     third = rod(1.0, 0.0)
@@ -80,7 +80,7 @@ def closing_row() -> ri.System:
 
 
 def chain() -> Rows:
-    """Balances of eight rods of many lengths and areas."""
+    """Balances of momentum and energy, and impulses of contacts, of eight rods."""
     solution = ri.solve(closing_row())
     outcome = solution.outcome
     masses = np.array(outcome.masses)

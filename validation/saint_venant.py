@@ -41,7 +41,7 @@ NEGLIGIBLE_WAVE_RATIO = 2.0**-46  # the solver may end the force early below it
 
 
 def run() -> Rows:
-    """Pairs by hand, one pair that differs in everything, random pairs."""
+    """Compare pairs by hand, a pair that differs in everything, and random pairs."""
     for (impedances, transit_times), e in BY_HAND.items():
         yield from by_hand(impedances, transit_times, e)
     yield from all_different()
@@ -51,7 +51,7 @@ def run() -> Rows:
 def by_hand(
     impedances: tuple[int, int], transit_times: tuple[int, int], e: Fraction
 ) -> Rows:
-    """A pair whose e is worked out by hand."""
+    """e of a pair, beside the value that is worked out by hand."""
     Z1, Z2 = impedances
     T1, T2 = transit_times
     first = rod(T1, Z1, velocity=1.0)
@@ -62,7 +62,10 @@ def by_hand(
 
 
 def all_different() -> Rows:
-    """Z1 = 1, c1 = 1, l1 = 0.7 hits Z2 = 0.5, c2 = 1.3, l2 = 1.1 at speed 1."""
+    """e, impulse, and steps of the force of a pair that differs in everything.
+
+    Z1 = 1, c1 = 1, l1 = 0.7 hits Z2 = 0.5, c2 = 1.3, l2 = 1.1 at speed 1.
+    """
     l1 = 0.7
     l2 = 1.1
     c2 = 1.3

@@ -27,14 +27,14 @@ HEIGHT = 1.5  # m, of the drop of tennis ball and basketball
 
 
 def run() -> Rows:
-    """Blocks without loss, peak forces, two balls dropped together."""
+    """Compare blocks without loss, peak forces, and two balls dropped together."""
     yield from blocks_without_loss()
     yield from peak_forces()
     yield from tennis_ball_on_basketball()
 
 
 def blocks_without_loss() -> Rows:
-    """Sample 10.19: 2 kg at 0.5 m/s runs into 10 kg at 0.2 m/s, e = 1."""
+    """Velocities and energies of sample 10.19: 2 kg at 0.5 m/s on 10 kg at 0.2 m/s."""
     m1 = 2.0
     v1 = 0.5
     m2 = 10.0
@@ -66,7 +66,10 @@ def raised_cosine_impulse(peak: float, T: float) -> float:
 
 
 def peak_forces() -> Rows:
-    """Sample 10.20: a ball of 0.5 kg meets a wall at 10 m/s and leaves it at 9 m/s."""
+    """e, impulse and peak forces of sample 10.20.
+
+    A ball of 0.5 kg meets a wall at 10 m/s and leaves it at 9 m/s.
+    """
     e = rigid.restitution_from_velocities(
         v1_before=10.0, v2_before=0.0, v1_after=-9.0, v2_after=0.0
     )
@@ -96,7 +99,10 @@ def heavy_basketball_error() -> np.ndarray:
 
 
 def tennis_ball_on_basketball() -> Rows:
-    """Sample 10.21: the basketball is ten times as heavy, e is 0.9 and 0.6."""
+    """Height of the tennis ball of sample 10.21, over that of the drop.
+
+    The basketball is ten times as heavy; e is 0.9 at the ground and 0.6 between them.
+    """
     masses = [0.6, 0.06]  # kg
     restitutions = [0.9, 0.6]
     drop = rigid.stack_drop(masses, restitutions, HEIGHT)

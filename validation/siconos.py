@@ -20,7 +20,7 @@ GAP = 5e-5  # m
 
 
 def run() -> Rows:
-    """The bar moves towards the floor, which is to its right."""
+    """Impact, contact time, force and e of a bar; the floor is to its right."""
     bar = ri.Rod(LENGTH, area=AREA, material=MATERIAL, velocity=SPEED)
     outcome = ri.collide(bar, ri.Wall(), gap=GAP)
     impact = outcome.contacts[0].first

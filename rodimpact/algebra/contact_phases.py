@@ -64,7 +64,8 @@ def phases_of_contact(
 ) -> ContactPhases:
     """Phases of a contact up to a tick, and the ticks of the events after it.
 
-    A change of status ends a phase and begins the next one, with gap 0. Any other event
+    The first phase begins at tick 0: it is open if there is a gap, else `UNDECIDED`. A
+    change of status ends a phase and begins the next one, with gap 0. Any other event
     is a jump of the closing velocity within its phase.
     """
     simulation = run.simulation
@@ -78,7 +79,7 @@ def phases_of_contact(
     if node == len(simulation.nodes) - 1:
         waves[right_line] = simulation.lines[-1].incoming_wave
 
-    gap = run.numbers.gaps[contact] * run.tick_rate
+    gap = run.numbers.gaps[contact] * run.tick_rate  # a velocity times ticks
     status = UNDECIDED
     if gap > 0:
         status = Status.OPEN.value

@@ -91,6 +91,7 @@ def exact(
     run = run_exactly(row, numbers, max_events)
     check_final(run.is_final, max_events)
     results = map_numbers(run.results, attrgetter("value"))
+    # The unit of time is that in which a wave at the unit of speed runs 1 m.
     return results._replace(time_unit=float(source.squared_speed_unit) ** -0.5)
 
 

@@ -63,7 +63,8 @@ def read_numbers(row: Row, source: NumberSource) -> RowNumbers:
     """
     transit_times = []
     impedances = []
-    for segment, path in zip(row.segments, row.paths[1:], strict=True):
+    paths = row.paths[1:]  # the first one lies outside the row
+    for segment, path in zip(row.segments, paths, strict=True):
         T = source.number(f"{path}.transit_time", segment.transit_time)
         Z = source.number(f"{path}.impedance", segment.impedance)
         if T is None:
@@ -116,9 +117,13 @@ def run_exactly(row: Row, numbers: RowNumbers, max_events: int) -> ExactRun:
     tick_rate = _tick_rate(numbers)
     ticks = [T * tick_rate for T in numbers.transit_times]
     simulation = start_simulation(
-        layout, _kernel_values(numbers), ticks, 1 / tick_rate, ZERO
+        layout,
+        _kernel_values(numbers),
+        ticks,
+        tick_duration=1 / tick_rate,
+        frame_velocity=ZERO,
     )
-    is_final = simulation.run_to_proof(max_events, ZERO) == Stop.FINAL
+    is_final = simulation.run_to_proof(max_events, tolerance=ZERO) == Stop.FINAL
     energy.update_motion(simulation)  # velocities of groups, which `_motion` reads
     motions = []
     velocities_after = []

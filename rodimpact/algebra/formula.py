@@ -381,7 +381,9 @@ class ClosedForm:
     def _borders(self) -> list[Any]:
         """Borders of all cells of the formula together, or those of the first cell.
 
-        The cells are united if every other cell lies across an outer tie.
+        The cells are united if each tie has a normal and every cell of another formula
+        lies across an outer tie. Inner ties are then no borders. Those that others
+        imply are left out.
         """
         cells = self._cells
         ties = self._ties

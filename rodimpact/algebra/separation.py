@@ -27,11 +27,15 @@ class Separation(NamedTuple):
 def separation_of(run: ExactRun, contact: int, tick: Any) -> Separation:
     """Conditions under which a contact does not press again after a tick of the run.
 
-    They are those of the first of the three reasons above that holds in the run: the
-    velocity with which the gap opens; the order of circulating waves and the
-    differences of their velocities; or the mean opening velocity, the mean gap, and the
-    gap's square less the square that vibration can bridge. The tick is a traced
-    fraction.
+    There are three reasons; the first that holds in the run gives the conditions:
+
+    - No front is in flight, and the gap does not close: its opening velocity.
+    - No wave that circulates on the right is slower than one on the left: the order of
+      these waves, and the differences of their velocities.
+    - Otherwise, vibration cannot bridge the gap: the mean opening velocity, the mean
+      gap, and the square of this gap less the square that vibration can bridge.
+
+    The tick is a traced fraction.
     """
     simulation = run.simulation
     k = run.nodes[contact]

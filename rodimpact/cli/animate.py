@@ -27,7 +27,7 @@ NAMES = {
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add arguments: the case, the file, the quantity, the frames, the end of the run."""
+    """Add arguments: the case, the file, the quantity, the frames, end of the run."""
     parser.add_argument("case", metavar="CASE.toml", help="the case file")
     parser.add_argument(
         "-o",

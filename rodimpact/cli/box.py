@@ -116,7 +116,7 @@ def run(args: Arguments) -> CommandResult:
     material = TABLE[args.material]
     collisions = box_collisions(material, args.ratio)
     replays = []
-    for collision in collisions[: len(keys)]:
+    for collision in collisions[: len(keys)]:  # without the dowel, which is the last
         solution = solve(System(collision.bodies))
         replays.append(Replay(collision.title, collision.names, solution))
     restitutions = [restitution_of(material, ratio) for ratio in RATIOS]
@@ -129,6 +129,7 @@ def run(args: Arguments) -> CommandResult:
         look = "dark"
     with plot.look(look):
         draw(replays, restitutions, files.paths, args.force)
+        # The introduction has no figures; each later text has a group of them.
         page = box_page(texts, [[], *files.groups])
     write_text(files.folder / PAGE, page, force=args.force)
     summary = (

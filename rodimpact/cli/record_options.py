@@ -135,7 +135,7 @@ def _read_files(args: Arguments) -> dict[str, Signal]:
         except ImportError as error:  # a package that reads workbooks or TDMS files
             args.problems.append((path, str(error)))
             return {}
-        if not channels:
+        if not channels:  # None: the reader has found mistakes, which are added
             return {}
         if len(args.record) == 1:
             return channels

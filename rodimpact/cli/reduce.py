@@ -190,9 +190,9 @@ def _positions_of_pulses(args: Arguments, case: Case) -> GaugePositions:
         if text is None:
             args.problems.append((f"--{name}", "is missing; give all three pulses"))
             continue
-        for channel, position in gauge_options.positions_in(
-            args, case, f"--{name}", [text]
-        ).items():
+        # One position, or none with a problem added
+        pulse_position = gauge_options.positions_in(args, case, f"--{name}", [text])
+        for channel, position in pulse_position.items():
             positions[channel] = position
             bodies.append(position.body)
     if args.gauge:
@@ -202,7 +202,7 @@ def _positions_of_pulses(args: Arguments, case: Case) -> GaugePositions:
         if reflected != incident or transmitted != incident + 1:
             message = "must be on the body after that of the other two pulses"
             args.problems.append(("--transmitted", message))
-        if len(positions) < len(PULSES):
+        if len(positions) < len(PULSES):  # pulses of one channel share an entry
             args.problems.append(("--incident", "give three different channels"))
     return positions
 

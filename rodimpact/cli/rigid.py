@@ -28,7 +28,7 @@ HEADER = [
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add options: two masses, two velocities, e, whether energy is released, --json."""
+    """Add options: two masses, two velocities, e, --energy-release and --json."""
     for i, side in ((1, "left"), (2, "right")):
         parser.add_argument(
             f"--m{i}",

@@ -215,9 +215,10 @@ class StrikerSearch(NamedTuple):
             positions = _middles(self.segments)
             coarser_positions = _middles(coarser.size)
             starts.append(np.interp(positions, coarser_positions, coarser))
+        start = min(starts, key=sum_of_squares)
         best = least_squares(
             residuals,
-            min(starts, key=sum_of_squares),
+            start,
             bounds=tuple(self.bounds),
             method="dogbox",
             diff_step=1e-5,

@@ -259,8 +259,9 @@ def _grids(task: _Task, vary: Mapping[str, Any]) -> Grids:
     fine = make_objective(options=task.options)
     cells = task.options.cells
     if cells is None or cells < MIN_CELLS_TO_HALVE:
-        return Grids(fine, fine)
-    return Grids(fine, make_objective(options=replace(task.options, cells=cells // 2)))
+        return Grids(fine=fine, coarse=fine)
+    coarse_options = replace(task.options, cells=cells // 2)
+    return Grids(fine=fine, coarse=make_objective(options=coarse_options))
 
 
 def _checked_additions(

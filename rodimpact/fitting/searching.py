@@ -148,9 +148,10 @@ def _descend(
         """Residuals at the point with these variables."""
         return objective.residuals(point_of(variables))
 
+    first_variables = np.clip(start[is_free] / sizes[is_free] + 1.0, low, high)
     end = least_squares(
         residuals,
-        np.clip(start[is_free] / sizes[is_free] + 1.0, low, high),
+        first_variables,
         bounds=(low, high),
         diff_step=DIFFERENCE_STEP,
         x_scale="jac",

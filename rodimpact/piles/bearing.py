@@ -353,7 +353,8 @@ def with_resistance(
     """The pile with this ultimate resistance of its soil, N, all unloaded.
 
     The share acts along the shaft, distributed as in the system, the rest at the toe.
-    Rods lose their strain, and overlaps of contacts, which are negative gaps, become 0.
+    Without a share of the shaft its soil is left out. Rods lose their strain, and
+    overlaps of contacts, which are negative gaps, become 0.
     """
     on_shaft = shaft_resistance(system)
     bodies: list[Any] = []

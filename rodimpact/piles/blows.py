@@ -300,7 +300,8 @@ def strike(
     """Strike a pile once: solve the blow to its end, and find the state of rest after.
 
     If the blow is not over when the ram leaves, the pile goes on without the bodies
-    that have left it.
+    that have left it. If the blow does not end, or the pile does not stay at rest, the
+    result has no `next_system`, and its `status` says why.
 
     Parameters
     ----------
@@ -401,6 +402,7 @@ def _time_of_catch(solution: Solution, row: PileRow) -> float:
     ram_has_left = np.ones(CATCH_SAMPLES, dtype=bool)
     for body in range(row.pile):
         is_off = solution.contacts[body].gap(times) > 0
+        # Time of the last touch up to each time; 0 before the first
         last_touch = np.maximum.accumulate(np.where(is_off, 0.0, times))
         is_off_for_long = times - last_touch >= round_trip
         velocity = solution.mean_velocity(body, times)  # positive is down

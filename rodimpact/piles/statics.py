@@ -208,8 +208,8 @@ def _contacts(
         law = system.contacts[k]
         if not _can_bear(system, is_moving, k):
             continue
-        _, right_node = mesh.touching[link]
-        stiffness = 0.0
+        _, right_node = mesh.touching[link]  # the nodes on both sides
+        stiffness = 0.0  # a rigid one gets its stiffness below
         if isinstance(law, Joint | Spring | SpringDashpot | Plastic):
             linear_law: Any = law
             stiffness = float(linear_law.stiffness)
@@ -230,11 +230,9 @@ def _contacts(
             largest_stiffness = max(largest_stiffness, stiffness)
     if largest_stiffness == 0:  # rigid bodies alone
         largest_stiffness = 1.0
-    contacts = linear
-    for contact in rigid:
-        stiffness = RIGID_STIFFNESS * largest_stiffness
-        contacts.append(contact._replace(stiffness=stiffness))
-    return contacts
+    rigid_stiffness = RIGID_STIFFNESS * largest_stiffness
+    stiff_contacts = [contact._replace(stiffness=rigid_stiffness) for contact in rigid]
+    return linear + stiff_contacts
 
 
 def _can_bear(system: System, is_moving: list[bool], contact: int) -> bool:
@@ -277,7 +275,7 @@ def find_equilibrium(chain: Chain) -> Equilibrium:
             if pressed:
                 springs[contact.right_node] = contact.stiffness
                 tension[contact.right_node] = -contact.stiffness * contact.overlap
-        force = np.diff(tension) + on_nodes
+        force = np.diff(tension) + on_nodes  # on each node, of its two springs as well
         is_fixed = _fixed_with_floating(chain, springs, soil_stiffness, force)
         u = solve_chain(springs, soil_stiffness, is_fixed, force)
         round_off = OVERLAP_RTOL * float(np.abs(u).max())
@@ -384,7 +382,8 @@ def yielding_places(chain: Chain, equilibrium: Equilibrium) -> list[tuple[str, s
         beyond = np.flatnonzero(np.abs(equilibrium.resistance[along_rod]) > most)
         if beyond.size:
             first_node = nodes_of(chain.row, chain.mesh, i).start
-            node = int(chain.soil["node"][along_rod[beyond[0]]])
+            first_yielding = along_rod[beyond[0]]
+            node = int(chain.soil["node"][first_yielding])
             x = cell_edges(chain.row, chain.mesh, i)[node - first_node]
             places.append((f"bodies.{i}.shaft", f"the soil yields at {x:.6g} m"))
     for contact, overlap in zip(chain.contacts, equilibrium.overlaps, strict=True):
