@@ -208,7 +208,7 @@ def _unknown_paths(
 
 
 def _non_positive(row: Row, numbers: RowNumbers) -> Problems:
-    """Problems of transit times and impedances that are not positive."""
+    """A problem for each transit time and each impedance that is not positive."""
     problems: Problems = []
     paths = row.paths[1:]  # paths of the segments; the first one lies outside the row
     for path, T in zip(paths, numbers.transit_times, strict=True):

@@ -539,7 +539,10 @@ def shown_results(results: Exact) -> list[tuple[str, Any]]:
 
 
 def shortened(expression: Any) -> str:
-    """The text of an expression; if it is too long for a line, its beginning."""
+    """The text of an expression.
+
+    A text that is too long for a line is cut after a word, and " ..." is added.
+    """
     text = str(expression)
     if len(text) <= MAX_LINE_LENGTH:
         return text

@@ -106,7 +106,10 @@ class FormulaCell:
         return True
 
     def _vanishing_factors(self, numbers: list[Fraction]) -> list[Any]:
-        """Factors of the conditions whose `numbers` are 0."""
+        """Factors of those conditions whose values at a point, `numbers`, are 0.
+
+        The factors are positive in the cell.
+        """
         vanishing = []
         for condition, number in zip(self._conditions, numbers, strict=True):
             if number == 0:

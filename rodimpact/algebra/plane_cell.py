@@ -48,7 +48,10 @@ class PlaneCell:
         values: Mapping[str, Fraction],
         axes: Sequence[str],
     ) -> None:
-        """Take the conditions from the run, and prepare to evaluate them in floats."""
+        """Take the conditions from the run, and prepare to evaluate them in floats.
+
+        The run goes on beyond its proof for that; FormulaTooLong if it takes too long.
+        """
         self.results = run.results
         self._wave_speeds = row.wave_speeds
         self._axes = axes

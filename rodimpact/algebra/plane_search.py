@@ -223,7 +223,10 @@ class PlaneSearch:
     # Borders
 
     def _lattice_edges(self) -> Edges:
-        """Edges of the lattice, first those along x, with the cells of their nodes."""
+        """Edges of the lattice, first those along x, with the cells of their nodes.
+
+        The collision is solved at each node whose cell is not known.
+        """
         shares = np.arange(LATTICE + 1) / LATTICE
         mesh = np.stack(np.meshgrid(shares, shares, indexing="ij"), axis=-1)
         nodes = _rounded(mesh.reshape(-1, 2))

@@ -114,7 +114,10 @@ class SymbolicRow:
     """
 
     def __init__(self, system: System, symbols: Sequence[str]) -> None:
-        """Check system and symbols, and give names to the numbers of the row."""
+        """Check system and symbols, and give names to the numbers of the row.
+
+        InvalidModel is raised for a system or a symbol that is refused.
+        """
         check_system(system)
         _check_symbols(symbols)
         self.row = build_row(system)
@@ -309,7 +312,11 @@ class _SymbolSource:
         return self._material_number.setdefault(key, next_number)
 
     def _name_or_value(self, name: str, path: str, value: float) -> str | Fraction:
-        """Name of the number at a path, or its value if it has none."""
+        """The name, if a symbol names the number at a path, else its exact value.
+
+        The name and the value are stored. A number whose name is stored already, as of
+        an equal material, also gets it.
+        """
         exact_value = decimal_fraction(value)
         if not self._words.symbol_of(path) and name not in self.base:
             return exact_value

@@ -94,7 +94,11 @@ def _check_position(
 
 
 def _positions_in_case(args: Arguments, case: Case | None) -> GaugePositions:
-    """Positions of the gauges in a case; two with one name are a problem."""
+    """Positions of the gauges in a case, by name; {} without a case.
+
+    A gauge without a name is named by body and position. A problem is added for two
+    gauges with one name.
+    """
     positions: GaugePositions = {}
     if case is None:
         return positions

@@ -182,7 +182,11 @@ def _check_direct_impact(args: Arguments, bodies: set[int], is_cut: bool) -> Non
 
 
 def _positions_of_pulses(args: Arguments, case: Case) -> GaugePositions:
-    """Positions of the three pulses, by their channels; problems are added."""
+    """Positions of the three cut pulses, by their channels.
+
+    Problems are added: a pulse that is missing, --gauge beside them, pulses on wrong
+    bodies, and channels that are not different.
+    """
     positions: GaugePositions = {}
     bodies = []
     for name in PULSES:

@@ -52,7 +52,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: Arguments) -> CommandResult:
-    """Check all arguments, solve, write the files; table or JSON."""
+    """Check all arguments, solve, write the files; table or JSON.
+
+    A saved case that is solved as before is compared with its stored outcome. The
+    status is INCOMPLETE if the run stopped early, else that of writing the files.
+    """
     case = args.read_case()
     options = args.run_options(case)
     positions = gauge_positions(args, case)
@@ -110,7 +114,10 @@ def _check_gauges(args: Arguments, positions: GaugePositions) -> None:
 
 
 def _take_outputs_of_case(args: Arguments, case: Case) -> None:
-    """Put output files of the case into the arguments, where the call names none."""
+    """Set the arguments of output files to those of the case, unless the call has them.
+
+    In `args.options` they get the names of their entries.
+    """
     for name, path in case.output.items():
         if getattr(args, name) is None:
             setattr(args, name, path)

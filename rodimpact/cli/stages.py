@@ -59,7 +59,11 @@ def stage_lines(solution: Solution, names: tuple[str, str]) -> str:
 def _sentences_by_time(
     solution: Solution, names: tuple[str, str]
 ) -> dict[float, list[str]]:
-    """Sentences on all events, by their time, s."""
+    """Sentences on all events, each once, by their time, s.
+
+    They are the first touch, fronts up to the end of the run, the end of the force and
+    the opening of the gap.
+    """
     episode = solution.contacts[0].episodes[0]
     events = [Event(episode.start, f"the {names[0]} and the {names[1]} meet")]
     for event in _front_events(solution, names):

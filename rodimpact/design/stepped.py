@@ -220,7 +220,10 @@ def _exact_striker(search: StrikerSearch) -> Striker | None:
 def _strikers(
     search: StrikerSearch, progress: bool | ProgressFunction
 ) -> list[Striker]:
-    """The best striker of each number of segments, from 1 on."""
+    """The best striker of each number of segments, from 1 to that of the search.
+
+    Each search also starts from the striker with one segment less.
+    """
 
     def runs_up_to(n: int) -> int:
         """Sum of k + 1 for k = 1 to n segments: runs for a step of least squares."""

@@ -196,7 +196,11 @@ class _Task(NamedTuple):
 
 
 def _fit_from_sweep(task: _Task, vary: Mapping[str, Any], search_count: int) -> Trial:
-    """Fit without additions: one search from each of the best points of a sweep."""
+    """Fit without additions: one search from each of the best points of a sweep.
+
+    The result is the search with the least cost. Sweep and first searches are on the
+    coarse grid, see `search_on`.
+    """
     grids = _grids(task, vary)
     points = _starting_points(grids.coarse, search_count)
     sizes = sizes_of_numbers(grids.fine, points[0])  # gains have those of this point
@@ -267,7 +271,11 @@ def _grids(task: _Task, vary: Mapping[str, Any]) -> Grids:
 def _checked_additions(
     additions: Any, vary: Mapping[str, Any]
 ) -> dict[str, Mapping[str, Any]]:
-    """Numbers of each addition, by its name; InvalidModel if some already vary."""
+    """Bounds by path for each addition, by its name; {} for None.
+
+    InvalidModel is raised for anything but mappings, for an addition without numbers,
+    and for a number that `vary` has already.
+    """
     if additions is None:
         return {}
     checked = {}
@@ -301,7 +309,7 @@ def _checked_records(measured: Any) -> list[Measured]:
 
 
 def _checked_interval(interval: float | None, records: Sequence[Measured]) -> float:
-    """Time step of the computed signals, s; by default the shortest of the records."""
+    """Time step of the computed signals, s; by default the shortest in any record."""
     if interval is None:
         intervals = []
         for record in records:
@@ -311,7 +319,7 @@ def _checked_interval(interval: float | None, records: Sequence[Measured]) -> fl
 
 
 def _cell_count(system: System, interval: float) -> int:
-    """Cells of a grid with which a wave crosses one in an `interval`, s."""
+    """Cells of the longest transit, so that a wave crosses one in an `interval`, s."""
     longest_transit = 0.0
     for body in system.bodies:
         if isinstance(body, Rod):

@@ -265,7 +265,10 @@ class Objective:
         return min(starts, key=lambda start: start.misfit)
 
     def _best_shifts(self, curves: Sequence[Any]) -> list[float]:
-        """Best shift of each record by itself, s, each with its best gain."""
+        """Best shift of each record by itself, s, each with its best gain.
+
+        Shifts and gains stay within their bounds.
+        """
         shifts = []
         for k, record in enumerate(self.measured):
             shift_index = self._index[SHIFT, k]

@@ -193,7 +193,10 @@ def with_values(
 
 
 def checked_bounds(path: str, bounds: Any, unit: str) -> tuple[float, float]:
-    """Bounds that the user gave for a parameter; InvalidModel unless low < high."""
+    """Bounds (low, high) of a parameter in SI units.
+
+    InvalidModel is raised unless they are two finite numbers with low < high.
+    """
     # Any `sign` makes `array` refuse NaN and infinity.
     ends = array(f"vary.{path}", bounds, unit, sign="any")
     if ends.shape != (2,) or not ends[0] < ends[1]:

@@ -312,7 +312,10 @@ class Fit(Shown):
         return "\n\n".join([*map(align, tables), notes])
 
     def _table_of_numbers(self) -> list[list[str]]:
-        """Value, standard error and bounds of each number, header first."""
+        """Rows of value, standard error and bounds of each number, header first.
+
+        An infinite bound is "-".
+        """
         rows = [["", "value", "standard error", "from", "to"]]
         for f in self.fitted:
             row = [f.name, *_value_and_error(f)]

@@ -80,7 +80,10 @@ def summarise(objective: Objective, ends: Sequence[Any], sizes: Floats) -> Fit:
 
 
 def _descent(end: Any, varied: Sequence[Parameter], is_free: Any) -> Descent:
-    """End of a search, with the values of the numbers that varied."""
+    """End of a search: misfit, values of the numbers that varied, and whether complete.
+
+    `end` is SciPy's result; a positive status means that the search was complete.
+    """
     values = {}
     for number, scaled_value in zip(varied, end.x[is_free].tolist(), strict=True):
         values[number.path] = number.value(scaled_value)

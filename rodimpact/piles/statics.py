@@ -407,7 +407,10 @@ def _flow_force(chain: Chain, contact: Contact) -> float:
 
 
 def check_bears(chain: Chain, equilibrium: Equilibrium) -> None:
-    """Raise InvalidModel where soil or a contact would yield under the weight."""
+    """Raise InvalidModel if soil or a contact would yield at equilibrium.
+
+    The error has a problem for each such rod and contact.
+    """
     problems = []
     for path, words in yielding_places(chain, equilibrium):
         message = f"cannot bear the weight at rest: {words}; raise the resistance"
