@@ -297,6 +297,7 @@ class PlaneSearch:
             is_third_cell = (cells[:, None] != edges.cells).all(axis=1)
             to_cut = is_third_cell & (cells != UNDECIDED)
             edges = edges.select(to_cut).cut(cut_points[to_cut], cells[to_cut])
+        # The pieces field by field
         all_points, all_regions, lattice_edges = zip(*pieces, strict=True)
         return BorderPoints(
             np.concatenate(all_points),

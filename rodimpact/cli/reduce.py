@@ -267,7 +267,7 @@ def _reduce(
         with args.naming_mistakes(f"--{PULSES[0]}"):
             pulses = CutPulses(incident, reflected, transmitted, args.clock)
         shot = {"pulses": pulses}
-    names = {
+    names = {  # in messages, for arguments of `reduce`; "" for a mistake of none
         "bars": case.path,
         "": "--gauge",
         "input_gauges": "--gauge",

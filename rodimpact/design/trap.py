@@ -113,6 +113,8 @@ def momentum_trap(
         raise _nothing_pushes(passed, end)
     force_start, force_end = _pressed_interval(row, passed, end)
     wave_speed = float(material.wave_speed)
+    # The wave that the trap's far end reflects must come back after the force has
+    # ended: 2 L/c is the duration of the force.
     duration = force_end - force_start
     trapped = row.with_length(wave_speed * duration / 2)
 

@@ -32,8 +32,9 @@ def summarise(objective: Objective, ends: Sequence[Any], sizes: Floats) -> Fit:
     is_free = objective.is_free
     # Range of each number: between its bounds, or its size if that is less.
     ranges = np.minimum(objective.high - objective.low, sizes)[is_free]
-    jacobian = best.jac * (ranges / sizes[is_free])  # derivatives by shares of ranges
-    # covariance and standard errors of the numbers, each over its range
+    # The variables of a search are numbers over their sizes; from here on derivatives
+    # and covariance are those of the numbers over their ranges.
+    jacobian = best.jac * (ranges / sizes[is_free])
     relative = covariance(jacobian, best.fun, objective.sample_counts)
     relative_errors = np.sqrt(np.diag(relative))
 
@@ -45,12 +46,13 @@ def summarise(objective: Objective, ends: Sequence[Any], sizes: Floats) -> Fit:
     slopes = []
     for number, scaled_value in zip(varied, scaled_values, strict=True):
         slopes.append(number.slope(scaled_value))
-    own_ranges = ranges * slopes  # ranges in the units of the numbers
+    own_ranges = ranges * slopes  # ranges in the unit of each number
     fitted = _fitted(varied, descents[0], relative_errors * own_ranges)
 
+    # Records are separated at the ends of all but the last one.
     ends_of_records = np.cumsum(objective.sample_counts)[:-1]
     residuals = np.split(best.fun, ends_of_records)
-    # Standard error of each prediction over its level, by J C J'
+    # Standard error of each prediction over its level: the diagonal of J C J'
     spread = np.sqrt(np.einsum("ij,jk,ik->i", jacobian, relative, jacobian))
     spreads = np.split(spread, ends_of_records)
     predicted = []

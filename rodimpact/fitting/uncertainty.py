@@ -40,7 +40,7 @@ def covariance(jacobian: Floats, residuals: Floats, lengths: Sequence[int]) -> F
     lengths : sequence of int
         Samples of each record.
     """
-    ends = np.cumsum(lengths)[:-1]
+    ends = np.cumsum(lengths)[:-1]  # where a record ends and the next one begins
     information, directions = np.linalg.eigh(jacobian.T @ jacobian)
     least_information = max(
         MIN_INFORMATION * information[-1], float(np.mean(residuals**2))
