@@ -143,6 +143,7 @@ def stepped_rod() -> Rows:
         """0 for the wave number k of a mode of the rod with free ends."""
         return A1 * math.tan(k * l1) + A2 * math.tan(k * l2)
 
+    # The lowest root lies above the pole of tan k l2 at pi/2.
     k = float(brentq(condition, 1.6, 3.0))
     first = ri.Segment(l1, A1, material(tau))
     second = ri.Segment(l2, A2, material(tau))

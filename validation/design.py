@@ -137,6 +137,7 @@ def hidden_strikers() -> Rows:
         design = reconstructed(ratios)
         segments = design.system.bodies[0].segments
         areas = np.array([segment.area for segment in segments])
+        # Segments count from the left; the struck end is on the right.
         from_struck_end = areas[::-1] / BAR.segments[0].area
         area_errors.append(largest(from_struck_end / ratios - 1))
         misfits.append(design.misfit)

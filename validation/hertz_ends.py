@@ -138,7 +138,7 @@ def one_stiffness() -> Rows:
     for V in (1e-4, 1e2):
         k = kappa / math.sqrt(V)
         e = solve_pair(k, V).restitution
-        differences.append(e - restitution(kappa))
+        differences.append(e - restitution(kappa))  # the latter at V = 1
     largest_difference = largest(differences)
     case = Case(f"Hertz ends, kappa = {kappa:g}", "one number decides")
     yield case.row(

@@ -230,7 +230,7 @@ def motion(method: Method) -> Rows:
     solution = ri.solve(system, 10.0, method.name, **method.options)
     spring = solution.contacts[0]
     error = largest(spring.gap(t) - exact) / largest(exact)
-    energy = solution.energy(t[::8])
+    energy = solution.energy(t[::8])  # every eighth time, to save some
     missing = largest(energy.residual) / energy.total[0]
     case = Case(f"two rods on a spring, one at speed 1, {method.name}", SUM_OF_MODES)
     yield case.row(
@@ -285,6 +285,7 @@ def dashpot(method: Method, junction: Junction) -> Rows:
     impulse = solution.outcome.contacts[0].impulse
     energy = solution.energy(3.0)
     lost = 2 * float(energy.dissipated)  # the pulse came with the energy 1/2
+    # The pulse, and so the force, lasts 1/2.
     force = 2 * c / (1 + c / IMPEDANCES[0] + c / junction.impedance)
     residual = energy.residual
     case = Case(f"dashpot between {junction.name}, {method.name}", "waves at a dashpot")

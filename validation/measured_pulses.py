@@ -371,6 +371,7 @@ def equilibrium(shot: Shot) -> float:
         by_transmitted = gain_2 * transmitted.shifted(1e-6 * delay_2).at(t)
         return (incident.at(t) + by_reflected - by_transmitted) / level
 
+    # Bounds of delay and gain, twice: of the reflected and the transmitted pulse
     least = [-TIME_FREEDOM, 1 - GAIN_FREEDOM] * 2
     most = [TIME_FREEDOM, 1 + GAIN_FREEDOM] * 2
     best = math.inf

@@ -90,6 +90,7 @@ def saint_venant(Z1: int, T1: int, Z2: int, T2: int) -> Fraction:
     steps = sum(powers) * T_short
     if q > 0:
         steps += q**K * remainder
+    # The first force is Z1 Z2/(Z1 + Z2); a step lasts two transits: the factor 2.
     impulse = 2 * Fraction(Z1 * Z2, Z1 + Z2) * steps
     m1 = Z1 * T1
     m2 = Z2 * T2
