@@ -64,7 +64,7 @@ def striker_for(name: str, shape: Floats, bound: float) -> Rows:
 
     The part of the misfit that no choice of areas can remove is subtracted.
     """
-    peak = 0.8 * Z * SPEED / 2
+    peak = 0.8 * Z * SPEED / 2  # a striker like the bar gives Z V/2
     times = np.linspace(0, 1, 2001) * DURATION
     pulse = ri.Signal(peak * shape, times, unit="N")
     design = ri.design.striker(

@@ -205,7 +205,7 @@ def hopkinson_bar() -> Rows:
     difference = spring.force(t) - hopkinson.specimen_force(t)
     force_error = np.abs(difference).mean()
     energy = solution.energy(end)
-    kinetic_before = hopkinson.STRIKER_LENGTH / 2
+    kinetic_before = hopkinson.STRIKER_LENGTH / 2  # m v^2/2, the mass is the length
     transmitted_share = float(energy.radiated) / kinetic_before
     remaining_share = float(energy.total) / kinetic_before
     reflected = hopkinson.reflected_share()

@@ -105,7 +105,7 @@ def by_stiffness() -> Rows:
     decay = excess / (e[4] - SHORT)
     yield case.row(
         "e - l1/l2 at kappa = 1e3 over that at 1e4",
-        4.6416,
+        4.6416,  # 10^(2/3)
         decay,
         0.01,
         source="kappa^(-2/3)",

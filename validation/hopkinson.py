@@ -106,7 +106,7 @@ def bars_and_specimen() -> Rows:
     force_error = spring.force(t) - specimen_force(t)
     striker_velocity = solution.mean_velocity(0, INCIDENT_LENGTH)
     energy = solution.energy(END)
-    kinetic_before = STRIKER_LENGTH / 2
+    kinetic_before = STRIKER_LENGTH / 2  # m v^2/2, the mass is the length
     transmitted_energy = energy.radiated / kinetic_before
     remaining_energy = energy.total / kinetic_before
     reflected = reflected_share()

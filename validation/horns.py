@@ -147,7 +147,7 @@ def front(name: str, area: Area) -> Rows:
     growth = 2 * ri.theory.horn_amplification(1.0, end_area)
     half = growth / 2
     arrival = t[np.argmax(v > half)]
-    behind_front = np.interp(1.01, t, v)
+    behind_front = np.interp(1.01, t, v)  # shortly after its arrival at 1
     case = Case(name, "L/c")
     yield case.row("front arrives, L/c", 1.0, arrival, 5e-3)
     two_percent = 0.02 * growth

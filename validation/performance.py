@@ -395,7 +395,7 @@ def cell_on_grid(material: ri.Material, theory: str | None = None) -> float:
     run = GridRun(mesh, step, snapshots=4, expected_steps=9 * steps)
     run.advance(steps)  # compiles
     seconds = median_time(lambda: run.advance(run.steps + steps))
-    assert len(run.force_intervals(0)) == 1
+    assert len(run.force_intervals(0)) == 1  # the rods have met once
     return seconds / steps / (2 * cells)
 
 

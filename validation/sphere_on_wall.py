@@ -75,7 +75,10 @@ def method_of_steps(
 ) -> Reference:
     """Hertz contact of stiffness k, which closes at speed V, by the method of steps.
 
-    The delay equation of this page is solved from one reflection to the next.
+    The delay equation for the indentation d, with J' = F = k max(d, 0)^(3/2),
+    d' = V - J/M - sum over rods of (F + 2 F(t - 2 T) + 2 F(t - 4 T) + ...)/Z, is solved
+    from one reflection to the next. Nine digits of the impulse and six of the peak
+    force are kept.
 
     Parameters
     ----------

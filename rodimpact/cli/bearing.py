@@ -68,7 +68,7 @@ def run(args: Arguments) -> CommandResult:
     """
     case = args.read_case()
     resistances = _resistances(args)
-    args.check_outputs("plot", figure="plot")
+    args.check_outputs("plot", figure="plot")  # --plot, the only output, is a figure
 
     options: dict[str, Any] = {}
     if args.cells is not None:
@@ -92,6 +92,7 @@ def run(args: Arguments) -> CommandResult:
         return CommandResult(graph.csv_lines(), status)
     if args.json:
         return CommandResult(bearing_json(graph), status)
+    # The table names arguments of Python: they become options.
     return CommandResult(as_options(bearing_table(graph)), status)
 
 
