@@ -334,7 +334,10 @@ class Atlas:
 
 
 def _most_central(x: Floats, y: Floats, inside: NDArray[np.int64]) -> int:
-    """Index of the point inside a region that is nearest to the mean of its points."""
+    """Index of the point inside a region that is nearest to the mean of its points.
+
+    Offsets are divided by the size of the plane along each axis.
+    """
     x_offset = (x[inside] - x[inside].mean()) / np.ptp(x)
     y_offset = (y[inside] - y[inside].mean()) / np.ptp(y)
     nearest = np.argmin(x_offset**2 + y_offset**2)

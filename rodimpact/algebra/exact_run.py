@@ -245,7 +245,7 @@ def _mass(row: Row, numbers: RowNumbers, body: int) -> TracedFraction:
     """Mass of a rod, the sum of T Z over its segments, kg."""
     first, last = row.spans[body]
     mass = ZERO
-    for s in range(first, last + 1):
+    for s in range(first, last + 1):  # segments count from 1, numbers from 0
         mass = mass + numbers.transit_times[s - 1] * numbers.impedances[s - 1]
     return mass
 

@@ -168,6 +168,7 @@ def _waves_in_flight(simulation: Simulation, line: int) -> list[CirculatingWave]
     r = simulation.lines[line].next_row
     while r != NONE:
         front = simulation.log[r]
-        waves.append(CirculatingWave(front.value, front.tick + ZERO))
+        tick = front.tick + ZERO  # traced, also if it is an integer
+        waves.append(CirculatingWave(front.value, tick))
         r = front.next_row
     return waves

@@ -53,5 +53,5 @@ def _rounded_root(square: Fraction) -> Fraction:
     """
     magnitude = square.numerator.bit_length() - square.denominator.bit_length()
     shift = max(0, ROOT_BITS - magnitude)
-    scaled_square = (square.numerator << 2 * shift) // square.denominator
+    scaled_square = (square.numerator << 2 * shift) // square.denominator  # x 4^shift
     return Fraction(math.isqrt(scaled_square), 1 << shift)

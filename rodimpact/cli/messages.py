@@ -153,4 +153,4 @@ def _argument_in(match: re.Match[str]) -> str:
     for group in ("named", "bare"):
         if match[group] is not None:
             return match[group]
-    return "until"
+    return "until"  # the match of "(until)", which has no group

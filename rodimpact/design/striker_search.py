@@ -77,6 +77,7 @@ class StrikerSearch(NamedTuple):
         """
         step = self.duration / self.segments
         end = self.wanted.end
+        # Round-off must not add a step.
         count = math.ceil(end / step * (1 - MIN_DURATION_RTOL))
         return np.append(step * np.arange(count), end)
 

@@ -230,6 +230,7 @@ class Objective:
         """
         key = shares.tobytes()
         if key not in self._recent_signals:
+            # Derivatives need the shares, and one change of each share.
             if len(self._recent_signals) > len(self._parameters) + 1:
                 oldest = next(iter(self._recent_signals))
                 del self._recent_signals[oldest]

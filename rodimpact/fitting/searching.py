@@ -84,8 +84,8 @@ def search_on(grids: Grids, start: Floats, sizes: Floats) -> Any:
     """
     if grids.coarse is grids.fine:
         return search_from(grids.fine, start, sizes, SEARCH_FTOL)
-    near = search_from(grids.coarse, start, sizes, COARSE_FTOL)
-    return _descend(grids.fine, near.x, grids.fine.is_free, sizes, FINE_FTOL)
+    coarse_end = search_from(grids.coarse, start, sizes, COARSE_FTOL)
+    return _descend(grids.fine, coarse_end.x, grids.fine.is_free, sizes, FINE_FTOL)
 
 
 def search_from(objective: Objective, start: Floats, sizes: Floats, ftol: float) -> Any:

@@ -89,7 +89,7 @@ def _descent(end: Any, varied: Sequence[Parameter], is_free: Any) -> Descent:
     values = {}
     for number, scaled_value in zip(varied, end.x[is_free].tolist(), strict=True):
         values[number.path] = number.value(scaled_value)
-    misfit = math.sqrt(2 * end.cost / len(end.fun))
+    misfit = math.sqrt(2 * end.cost / len(end.fun))  # cost: half the sum of squares
     return Descent(misfit, values, complete=end.status > 0)
 
 

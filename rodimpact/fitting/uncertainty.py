@@ -72,6 +72,7 @@ def covariance(jacobian: Floats, residuals: Floats, lengths: Sequence[int]) -> F
 def autocovariance(residuals: Floats) -> Floats:
     """Mean product of two residuals of a record, [number of samples between them]."""
     n = len(residuals)
+    # The n zeros that are added keep the end of the record from meeting its beginning.
     power = np.abs(np.fft.rfft(residuals, 2 * n)) ** 2
     products: Floats = np.fft.irfft(power)[:n] / n
     return products
