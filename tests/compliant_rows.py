@@ -5,6 +5,7 @@ laws.
 from itertools import pairwise
 
 import numpy as np
+from numpy.random import default_rng
 
 import rodimpact as ri
 
@@ -74,7 +75,7 @@ def random_compliant_row(kind, seed):
     It has two or three rods; a mixed one perhaps a mass; perhaps a wall on the right.
     The first rod moves at 1 m/s and no rod is faster, so that something meets.
     """
-    rng = np.random.default_rng([KINDS.index(kind), seed])
+    rng = default_rng([KINDS.index(kind), seed])
     bodies = []
     for i in range(rng.integers(2, 4)):
         speed = float(rng.choice([0.0, -0.5, rng.uniform(-1, 1)]))

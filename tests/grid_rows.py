@@ -2,6 +2,7 @@
 
 import numpy as np
 from networks import STEP, logarithmic, random_network
+from numpy.random import default_rng
 from scipy.linalg import block_diag
 
 import rodimpact as ri
@@ -62,7 +63,7 @@ def random_row(seed, *, driven=False, bodies=5):
     inertia.
     """
     system = random_network(seed, bodies=bodies, driven=driven)
-    rng = np.random.default_rng([seed, 1])
+    rng = default_rng([seed, 1])
     row = []
     for body in system.bodies:
         if isinstance(body, ri.Rod) and rng.random() < 0.5:

@@ -12,6 +12,7 @@ stretch s obeys s' = v_right - v_left and N = k s + c s'.
 from typing import NamedTuple
 
 import numpy as np
+from numpy.random import default_rng
 
 import rodimpact as ri
 
@@ -77,7 +78,7 @@ def random_linear_row(seed):
     The first piece is a rod, and no two masses are neighbours. In 70 % of the cases all
     velocities are equal at the start, those of moved ends too; else they jump.
     """
-    rng = np.random.default_rng([seed, 45])
+    rng = default_rng([seed, 45])
     count = int(rng.integers(1, 5))
     jumping = rng.random() < 0.3
     pieces = []

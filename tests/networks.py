@@ -4,6 +4,7 @@ import math
 from itertools import pairwise
 
 import numpy as np
+from numpy.random import default_rng
 
 import rodimpact as ri
 
@@ -176,7 +177,7 @@ def random_network(seed, *, bodies=5, driven=False):
     It may have walls beside these. Only a driven one has gravity, moving walls and
     drives.
     """
-    rng = np.random.default_rng(seed)
+    rng = default_rng(seed)
     row = [random_body(rng) for _ in range(rng.integers(1, bodies + 1))]
     if not any(isinstance(body, ri.Rod) for body in row):
         row[rng.integers(len(row))] = random_rod(rng)

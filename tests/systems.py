@@ -3,6 +3,7 @@ multiply.
 """
 
 import numpy as np
+from numpy.random import default_rng
 
 import rodimpact as ri
 
@@ -94,7 +95,7 @@ def random_system(
     vibration at the start; rods of several segments; bonds. Lengths are whole numbers
     of `unit`, m.
     """
-    rng = np.random.default_rng(seed)
+    rng = default_rng(seed)
     fewest = 1 if walls else 2
     row = []
     for _ in range(rng.integers(fewest, bodies + 1)):
@@ -168,7 +169,7 @@ def with_ends(seed, driven=True, bodies=4, **switches):
     `switches` are the flags of `random_system`.
     """
     system = random_system(seed, bodies=bodies, **switches)
-    rng = np.random.default_rng([seed, 1])
+    rng = default_rng([seed, 1])
     time = horizon(system, transits=1)
     left = random_end(rng, system.bodies[0], time, driven)
     right = random_end(rng, system.bodies[-1], time, driven)

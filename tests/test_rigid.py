@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
+from numpy.random import default_rng
 
 import rodimpact as ri
 from rodimpact import rigid
@@ -37,7 +38,7 @@ class Collisions(NamedTuple):
 @pytest.fixture(scope="module")
 def collisions():
     """`Collisions` of masses from 1 mg to 1000 t; the faster body is on the left."""
-    rng = np.random.default_rng(1)
+    rng = default_rng(1)
     m1, m2 = 10.0 ** rng.uniform(-6, 6, size=(2, 10_000))
     velocities = rng.normal(scale=10.0, size=(2, 10_000))
     v2, v1 = np.sort(velocities, axis=0)

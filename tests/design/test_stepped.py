@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 from exhaustive import few_of
+from numpy.random import default_rng
 
 import rodimpact as ri
 
@@ -125,7 +126,7 @@ def sensitivity(ratios):
 
 @pytest.mark.parametrize("seed", few_of([*range(10), 82], [0]))
 def test_a_hidden_striker_is_found_as_well_as_its_pulse_tells(seed):
-    rng = np.random.default_rng(seed)
+    rng = default_rng(seed)
     smallest, largest = np.log(WIDE)
     ratios = np.exp(rng.uniform(smallest, largest, STEPS))  # of areas to the bar's
     forces = pulse(ratios, 2 * STEPS) * SPEED * BAR_IMPEDANCE

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 from exhaustive import few_of
+from numpy.random import default_rng
 from validation_cases import validation_module
 
 import rodimpact as ri
@@ -46,7 +47,7 @@ def record(system, noise=0.0):
     """Strain at the gauge, with white noise of this standard deviation."""
     gauge = ri.solve(system, until=UNTIL).gauge(*GAUGE)
     signal = gauge.signal(INTERVAL, name="gauge")
-    white = np.random.default_rng(7).standard_normal(len(signal))
+    white = default_rng(7).standard_normal(len(signal))
     return signal.replace(values=signal.values + noise * white)
 
 
@@ -157,7 +158,7 @@ SHOT_NOISE = 2e-5  # standard deviation, strain times gain
 def shot():
     """A `Shot` of the striker, with gain, shift, blur and noise of `SHOT_...`."""
     solution = ri.solve(rods(), until=UNTIL)
-    random = np.random.default_rng(3)
+    random = default_rng(3)
     shot = Shot([], [])
     for gauge in ((1, 0.2), (1, 0.4)):
         sharp = solution.gauge(*gauge).signal(INTERVAL)
@@ -330,7 +331,7 @@ def test_the_last_column_of_a_table_tells_which_additions_earn_their_place(
 
 def test_blocks_left_out_are_predicted_as_by_a_fit_of_the_others():
     """In a linear model the prediction from all residuals is that of a new fit."""
-    random = np.random.default_rng(5)
+    random = default_rng(5)
     J = random.standard_normal((60, 3))  # [sample, number]
     values = random.standard_normal(60)
     is_left_out = np.arange(60) // 6 % 2 == 1  # every other block of 6 samples
@@ -452,7 +453,7 @@ def test_standard_errors_are_the_scatter_of_fits(correlation_time):
     J = derivatives_of(objective, point)[:, objective.is_free]
     J *= [1.0, 1.0, UNTIL, 1e-5]  # numbers as shares of the range of shift and blur
     pseudo_inverse = np.linalg.pinv(J)
-    random = np.random.default_rng(2)
+    random = default_rng(2)
 
     values = []
     errors = []
@@ -509,7 +510,7 @@ def test_standard_errors_are_the_scatter_of_fits_of_noisy_pulses():
         **pulses.STIFFNESS_BOUNDS,
         **pulses.BLUR_BOUNDS,
     }
-    random = np.random.default_rng(4)
+    random = default_rng(4)
 
     values = []
     errors = []
@@ -530,7 +531,7 @@ def test_standard_errors_are_the_scatter_of_fits_of_noisy_pulses():
 @pytest.mark.parametrize("repetitions", [1, 10])
 def test_the_standard_error_of_a_mean(repetitions):
     """It is sigma/sqrt(n/r) for n samples, of which r in a row are always equal."""
-    random = np.random.default_rng(1)
+    random = default_rng(1)
     n = 1200
     J = np.ones((n, 1))
     variances = []
@@ -582,7 +583,7 @@ def test_a_shift_is_found_wherever_a_window_of_a_record_lies_or_bounds_are_noted
 
     The record is a window of the strain, with a random shift and 2.5 times as large.
     """
-    random = np.random.default_rng(seed)
+    random = default_rng(seed)
     until = 4e-4
     place = (0, 0.2)
     gain = 2.5
@@ -623,7 +624,7 @@ def rounded_rods(random):
 @pytest.mark.parametrize("seed", [2, 5, 9, 12, 16, 19])
 def test_a_fit_with_a_blur_ends_no_worse_than_one_without(seed):
     """With one start, some fits with a blur ended worse than those without one."""
-    random = np.random.default_rng(seed)
+    random = default_rng(seed)
     true_system = rounded_rods(random)
     until = float(random.uniform(1.2e-4, 3.5e-4))
     strain = ri.solve(true_system, until=until).gauge(*GAUGE).signal(1e-6)

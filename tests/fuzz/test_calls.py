@@ -14,6 +14,7 @@ import pytest
 from fuzz import good_calls
 from fuzz.bad_values import BAD_VALUES, NEVER_RIGHT
 from fuzz.generators import SEEDS, TIMES, check_sentence, one_of, patience
+from numpy.random import default_rng
 
 import rodimpact as ri
 
@@ -108,7 +109,7 @@ def test_one_bad_value_of_an_argument_is_answered_or_refused_in_a_sentence():
     """One for every third name but those of figures; all of them under
     `exhaustive`.
     """
-    rng = np.random.default_rng(0)
+    rng = default_rng(0)
     quick = [call for call in CALLS if not call.name.startswith(FIGURES)]
     for call in quick[::3]:
         check_spoilt(call, one_of(rng, call.parameters), one_of(rng, [*BAD_VALUES]))
@@ -142,7 +143,7 @@ def test_each_bad_value_of_each_argument_is_answered_or_refused_in_a_sentence(na
 @pytest.mark.filterwarnings("ignore::rodimpact.DoubtfulReduction")
 @pytest.mark.parametrize("seed", SEEDS)
 def test_several_bad_arguments_are_answered_or_refused_in_a_sentence(seed):
-    rng = np.random.default_rng(seed)
+    rng = default_rng(seed)
     quick = [call for call in CALLS if not call.name.startswith(FIGURES)]
     refused = 0
     for _ in range(EXAMPLES):

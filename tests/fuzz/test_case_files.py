@@ -17,6 +17,7 @@ from fuzz.generators import (
     spoilt_bytes,
     spoilt_text,
 )
+from numpy.random import default_rng
 
 import rodimpact as ri
 from rodimpact.cli import main
@@ -97,7 +98,7 @@ def assert_round_trip(data):
 def test_a_spoilt_case_is_refused_or_balances_and_is_written_as_it_was_read(
     capsys, monkeypatch, tmp_path, seed
 ):
-    rng = np.random.default_rng(seed)
+    rng = default_rng(seed)
     refused = 0
     for _ in range(EXAMPLES):
         data = spoilt_bytes(rng, spoilt_text(rng, one_of(rng, CASES)))

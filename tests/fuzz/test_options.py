@@ -5,9 +5,9 @@ sentences.
 import argparse
 from importlib import import_module
 
-import numpy as np
 import pytest
 from fuzz.generators import CASES, NUMBERS, SEEDS, TIMES, WORDS, one_of, patience
+from numpy.random import default_rng
 
 from rodimpact.cli import COMMANDS, main
 from rodimpact.cli.exit_status import DONE, FAULT, INCOMPLETE, MISTAKE
@@ -143,7 +143,7 @@ def test_command_lines_are_done_or_refused_in_a_sentence(
     capsys, monkeypatch, tmp_path, seed
 ):
 
-    rng = np.random.default_rng(seed)
+    rng = default_rng(seed)
     refused = 0
     for i in range(EXAMPLES):
         folder = tmp_path / str(i)

@@ -4,9 +4,9 @@ place.
 
 import warnings
 
-import numpy as np
 import pytest
 from fuzz.generators import SEEDS, TIMES, called, one_of, spoilt_bytes
+from numpy.random import default_rng
 
 import rodimpact as ri
 
@@ -22,7 +22,7 @@ OPTIONS = [{}, {}, {"rate": 1e6}, {"time_unit": "us"}, {"units": "V"}, {"decimal
 
 @pytest.mark.parametrize("seed", SEEDS)
 def test_spoilt_tables_are_read_or_refused(tmp_path, seed):
-    rng = np.random.default_rng(seed)
+    rng = default_rng(seed)
     path = tmp_path / "shot.txt"
     kinds = set()
     for _ in range(EXAMPLES):

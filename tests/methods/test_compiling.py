@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.random import default_rng
 
 from rodimpact.methods import compiling, kernels, record_lists
 from rodimpact.methods.fronts import members as fronts
@@ -150,7 +151,7 @@ def test_a_change_of_any_file_of_a_kernel_changes_its_digest(
 def test_records_become_objects_and_objects_records(record):
     # Bytes below 64 make no float that is nan, which would not equal itself.
     size = 3 * record.itemsize
-    filled = np.random.default_rng(1).integers(0, 64, size, np.uint8)
+    filled = default_rng(1).integers(0, 64, size, np.uint8)
     records = filled.view(record)
     read_back = record_lists.as_records(record_lists.as_objects(records), record)
     for name in record.names:

@@ -6,6 +6,7 @@ from exhaustive import few_of
 from hypothesis import assume, given
 from hypothesis import strategies as st
 from networks import unit_rod
+from numpy.random import default_rng
 from runs import group_of, tracked
 from systems import horizon, random_end, random_system, with_ends
 
@@ -17,17 +18,22 @@ SEEDS = st.integers(0, 10**6)
 
 def commensurate(seed):
     """Bonded rods with transit times of whole quarters of a second, with any ends."""
-    rng = np.random.default_rng(seed)
+    rng = default_rng(seed)
     rods = []
     for _ in range(rng.integers(1, 4)):
         length = float(rng.integers(2, 9)) / 4
-        velocity = ri.Steps(rng.uniform(-1, 1, 2).tolist(), at=[length / 2])
-        strain = ri.Steps(rng.uniform(-1, 1, 2).tolist(), at=[length / 2])
+        middle = length / 2
+        velocities = rng.uniform(-1, 1, 2)
+        velocity = ri.Steps(velocities.tolist(), at=[middle])
+        strains = rng.uniform(-1, 1, 2)
+        strain = ri.Steps(strains.tolist(), at=[middle])
         area = float(rng.uniform(0.3, 3))
-        rods.append(unit_rod(length, area=area, velocity=velocity, strain=strain))
+        rod = unit_rod(length, area=area, velocity=velocity, strain=strain)
+        rods.append(rod)
     left = random_end(rng, rods[0], time=1.0, driven=True)
     right = random_end(rng, rods[-1], time=1.0, driven=True)
-    bonds = [ri.Bonded()] * (len(rods) - 1)
+    n_bonds = len(rods) - 1
+    bonds = [ri.Bonded()] * n_bonds
     return ri.System(rods, contacts=bonds, ends=(left, right))
 
 
@@ -50,11 +56,14 @@ def test_fields_by_fronts_are_those_by_characteristics(by_both_methods):
     # 1/16 s: no front passes at these times.
     t = (np.arange(128) + 0.55) / 16
     for body, rod in enumerate(fronts.system.bodies):
-        x = np.linspace(0, float(rod.length), 9)[:, None]
-        velocity_errors = fronts.velocity(body, x, t) - pieces.velocity(body, x, t)
-        assert np.abs(velocity_errors).max() < 1e-9
-        strain_errors = fronts.strain(body, x, t) - pieces.strain(body, x, t)
-        assert np.abs(strain_errors).max() < 1e-9
+        length = float(rod.length)
+        x = np.linspace(0, length, 9)[:, None]
+        velocity = fronts.velocity(body, x, t)
+        velocity_error = velocity - pieces.velocity(body, x, t)
+        assert np.abs(velocity_error).max() < 1e-9
+        strain = fronts.strain(body, x, t)
+        strain_error = strain - pieces.strain(body, x, t)
+        assert np.abs(strain_error).max() < 1e-9
 
 
 OUTCOMES = [
@@ -91,17 +100,18 @@ def with_long_rod():
     places = [length - c * t for t in reversed(JUMPS)]
     strain = ri.Steps(STRAINS[::-1], at=places)
     # A wave to the right has the velocity -c strain, beside that of the bar.
-    velocity = ri.Steps([0.2 - c * value for value in strain.values], at=places)
+    velocities = [0.2 - c * value for value in strain.values]
+    velocity = ri.Steps(velocities, at=places)
     rod = ri.Rod(length, area=1.0, material=FAST, strain=strain, velocity=velocity)
-    return ri.System(
-        [rod, BAR, STRUCK], gaps=[0.0, 0.1], contacts=[ri.Bonded(), ri.Rigid()]
-    )
+    laws = [ri.Bonded(), ri.Rigid()]
+    return ri.System([rod, BAR, STRUCK], gaps=[0.0, 0.1], contacts=laws)
 
 
 def with_incoming_wave():
     """The bar and the other, with the wave coming in through the end of the bar."""
-    incoming = ri.Incoming(ri.Steps(STRAINS, at=JUMPS))
-    return ri.System([BAR, STRUCK], gaps=[0.1], ends=(incoming, ri.Free()))
+    wave = ri.Steps(STRAINS, at=JUMPS)
+    ends = (ri.Incoming(wave), ri.Free())
+    return ri.System([BAR, STRUCK], gaps=[0.1], ends=ends)
 
 
 @pytest.mark.parametrize("mirrored", few_of([False, True], [True]))
@@ -112,7 +122,8 @@ def test_an_incoming_wave_is_that_of_a_long_rod(method, mirrored):
     """
     whole = with_long_rod()
     cut = with_incoming_wave()
-    bodies = [(1, 0), (2, 1)]  # indices of the bar and of the other: in whole, in cut
+    # Bodies 0 and 1 of the cut row are 1 and 2 of the whole one.
+    bodies = [(1, 0), (2, 1)]  # in whole, in cut
     if mirrored:
         whole = whole.mirrored()
         cut = cut.mirrored()
@@ -125,7 +136,8 @@ def test_an_incoming_wave_is_that_of_a_long_rod(method, mirrored):
     for body_of_whole, body in bodies:
         velocity = solution.velocity(body, 0.7, t)
         expected_velocity = expected.velocity(body_of_whole, 0.7, t)
-        assert np.abs(velocity - expected_velocity).max() < 1e-14
+        error = velocity - expected_velocity
+        assert np.abs(error).max() < 1e-14
     impulse = solution.outcome.contacts[0].impulse
     expected_impulse = expected.outcome.contacts[0].impulse
     assert impulse == pytest.approx(expected_impulse)
@@ -147,10 +159,12 @@ def test_an_incoming_wave_brings_its_energy(method, mirrored):
     E = 4.0
     A = 1.0
     c = 2.0
-    energy = E * A * c * np.sum(durations * np.square(STRAINS[:-1]))
+    strains = np.array(STRAINS[:-1])  # the last one, 0, goes on for ever
+    energy = E * A * c * np.sum(durations * strains**2)
     end = JUMPS[-1]  # of the wave
 
-    solution = ri.solve(system.replace(bodies=at_rest), until=end, method=method)
+    system_at_rest = system.replace(bodies=at_rest)
+    solution = ri.solve(system_at_rest, until=end, method=method)
 
     radiated = solution.energy(end).radiated
     assert radiated == pytest.approx(-energy, rel=1e-13)
@@ -173,8 +187,10 @@ def test_the_peak_force_of_any_contact_is_the_largest_of_its_forces(seed):
     shortest = solution.fields.clock.longest_rod >> 40  # ticks
     totals = solution.outcome.contacts
     for contact, total in zip(solution.contacts, totals, strict=True):
-        durations = np.diff(contact.push.ticks, append=solution.fields.end)
-        forces = contact.push.values[durations > shortest]
+        pushes = contact.push
+        durations = np.diff(pushes.ticks, append=solution.fields.end)
+        is_long = durations > shortest
+        forces = pushes.values[is_long]
         largest = forces.max(initial=0.0)  # tension has no peak
         assert total.peak_force == pytest.approx(largest, rel=1e-9, abs=1e-9)
 
@@ -190,11 +206,13 @@ def random_vibrating_rod(seed):
     for body in system.bodies:
         segments.extend(body.segments)
     length = sum(float(segment.length) for segment in segments)
-    rng = np.random.default_rng(seed)
+    rng = default_rng(seed)
     velocities = rng.uniform(-1, 1, 2)
     strains = 1e-4 * rng.uniform(-1, 1, 2)
-    velocity = ri.Steps(velocities.tolist(), at=[length * 0.3])
-    strain = ri.Steps(strains.tolist(), at=[length * 0.7])
+    velocity_jump = length * 0.3  # m
+    strain_jump = length * 0.7
+    velocity = ri.Steps(velocities.tolist(), at=[velocity_jump])
+    strain = ri.Steps(strains.tolist(), at=[strain_jump])
     return ri.Rod(segments=segments, velocity=velocity, strain=strain)
 
 
@@ -208,20 +226,23 @@ def test_an_end_stays_as_near_to_its_mean_motion_as_the_proof_bounds(
     """
     rod = random_vibrating_rod(seed)
     material = rod.segments[0].material
-    end = ri.Absorbing() if endless else ri.Free()
+    far_end = ri.Absorbing() if endless else ri.Free()
     leaving = ri.Rod(0.1, area=1e-4, material=material, velocity=9.0)
     if right:
         leaving = leaving.replace(velocity=-9.0)
-        system = ri.System([leaving, rod], gaps=[10.0], ends=(ri.Free(), end))
+        ends = (ri.Free(), far_end)
+        system = ri.System([leaving, rod], gaps=[10.0], ends=ends)
         x = 0.0
     else:
-        system = ri.System([rod, leaving], gaps=[10.0], ends=(end, ri.Free()))
+        ends = (far_end, ri.Free())
+        system = ri.System([rod, leaving], gaps=[10.0], ends=ends)
         x = float(rod.length)
     run = tracked(system, until=0.0)
     motion = group_of(run, 0, right=right)
     clock = run.clock
     # In SI units: the proof has ticks, and the frame of the clock
-    bound = np.sqrt(motion.deviation_bound_squared) * clock.tick
+    bound_in_ticks = np.sqrt(motion.deviation_bound_squared)
+    bound = bound_in_ticks * clock.tick
     deviation_at_start = motion.end_deviation * clock.tick
     velocity = motion.mean_velocity + clock.frame
 
@@ -233,12 +254,14 @@ def test_an_end_stays_as_near_to_its_mean_motion_as_the_proof_bounds(
     body = int(right)  # the rod is body 1 if it lies on the right of the gap, else 0
     displacement = solution.displacement(body, x, t)
     change = displacement - displacement[0]
-    deviation = np.abs(deviation_at_start + change - velocity * t)
+    mean_motion = velocity * t
+    deviation = np.abs(deviation_at_start + change - mean_motion)
     round_off = 1e-12 * np.abs(displacement).max()
-    assert deviation.max() <= bound * (1 + 1e-9) + round_off
+    largest_deviation = deviation.max()
+    assert largest_deviation <= bound * (1 + 1e-9) + round_off
     if endless:
-        late = t > 0.9 * until
-        assert deviation[late].max() <= 0.25 * bound + round_off
+        late_deviation = deviation[t > 0.9 * until]
+        assert late_deviation.max() <= 0.25 * bound + round_off
 
 
 @pytest.mark.parametrize("area", [0.3, 1.0, 1.1, 2.0, 10.0])
@@ -246,15 +269,19 @@ def test_a_striker_on_an_endless_bar_comes_to_its_end(area):
     """e = (1 - r)/(1 + r), r the ratio of impedances, or 0 if the striker has the
     larger one.
     """
-    rods = [unit_rod(1.0, area=area, velocity=1e-3), unit_rod(0.5)]
-    system = ri.System(rods, ends=(ri.Free(), ri.Absorbing()))
+    striker = unit_rod(1.0, area=area, velocity=1e-3)
+    endless_bar = unit_rod(0.5)  # its far end absorbs
+    ends = (ri.Free(), ri.Absorbing())
+    system = ri.System([striker, endless_bar], ends=ends)
 
     solution = ri.solve(system)
 
     assert solution.final
     assert "The collision is final" in solution.status
-    e = max(0.0, (1 - area) / (1 + area))
-    assert solution.outcome.restitution == pytest.approx(e, abs=1e-12)
+    ratio = area  # of impedances
+    e = max(0.0, (1 - ratio) / (1 + ratio))
+    restitution = solution.outcome.restitution
+    assert restitution == pytest.approx(e, abs=1e-12)
 
 
 # Times
@@ -268,38 +295,47 @@ def test_a_drive_that_ends_as_a_wave_returns_leaves_no_sliver(trips):
     Transit times in aluminium and steel are in no whole ratio. The drive is timed by
     the aluminium.
     """
-    aluminium = ri.Rod(0.3, area=1e-4, material=ri.materials.aluminium)
-    steel = ri.Rod(0.7, area=2e-4, material=ri.materials.steel)
+    materials = ri.materials
+    aluminium = ri.Rod(0.3, area=1e-4, material=materials.aluminium)
+    steel = ri.Rod(0.7, area=2e-4, material=materials.steel)
     round_trips = trips * 2 * float(aluminium.transit_time)
-    push = ri.Pushed(ri.Steps([1e3, 0.0], at=[round_trips]))
-    ends = (push, ri.Absorbing())
-    system = ri.System([aluminium, steel], contacts=[ri.Bonded()], ends=ends)
+    force = ri.Steps([1e3, 0.0], at=[round_trips])
+    ends = (ri.Pushed(force), ri.Absorbing())
+    bonds = [ri.Bonded()]
+    system = ri.System([aluminium, steel], contacts=bonds, ends=ends)
 
     solution = ri.solve(system, until=1.25 * round_trips)
 
     lines = solution.fields.motion.lines  # waves that leave ends
     transit_ticks = solution.fields.clock.ticks[1]  # of the aluminium
     end_of_push = trips * 2 * transit_ticks
-    assert end_of_push in lines[2].ticks.tolist()
+    wave_into_steel = lines[2].ticks.tolist()
+    assert end_of_push in wave_into_steel
     for wave in lines:
         if wave:
             intervals = np.diff(wave.ticks)  # between jumps of the wave
-            assert intervals.min(initial=2**63 - 1) > 2**20  # slivers have a few
+            longer_than_all = 2**63 - 1  # for a wave of one jump
+            shortest = intervals.min(initial=longer_than_all)
+            assert shortest > 2**20  # slivers have a few
 
 
 def test_times_beyond_the_longest_transit_change_no_transit():
     """Lengths 0.3 and 0.1 stay 3 to 1, whatever the times of the drive are."""
     rods = [unit_rod(0.3), unit_rod(0.1)]
-    push = ri.Pushed(ri.Steps([0.0, 1.0, 2.0, 3.0], at=[0.1 * np.pi, 7.0, 1e3]))
+    times = [0.1 * np.pi, 7.0, 1e3]  # s
+    force = ri.Steps([0.0, 1.0, 2.0, 3.0], at=times)
+    ends = (ri.Pushed(force), ri.Free())
+    system = ri.System(rods, ends=ends)
 
-    run = tracked(ri.System(rods, ends=(push, ri.Free())), until=50.0)
+    run = tracked(system, until=50.0)
 
     _, first, second, _ = run.clock.ticks
     assert first == 3 * second
     assert run.clock.transit_error < 1e-15
     log = run.log[: run.run.initial_rows]
     drive = log[log["line"] == 0]
-    assert drive["value"].tolist()[0] == 0.0
+    values = drive["value"].tolist()
+    assert values[0] == 0.0
     _, t1, t2 = drive["tick"].tolist()  # the last jump, at 1000 s, is never reached
     time_of_t1 = t1 * run.clock.tick
     assert time_of_t1 == pytest.approx(0.1 * np.pi, rel=1e-14)

@@ -46,16 +46,18 @@ def parts_of(solution, bodies):
         if isinstance(rod, ri.Wall):
             continue
         state = fields.profile(body, fields.end)
-        middles = (state.edges[1:] + state.edges[:-1]) / 2
+        edges = state.edges
+        middles = (edges[1:] + edges[:-1]) / 2
         # Segments are numbered along the whole row.
         numbers, *_ = fields.locate(body, middles)
         first = fields.clock.spans[body][0]
         for i, number in enumerate(numbers):
             segment = rod.segments[number - first]
+            material = segment.material
             part = Part(
-                length=state.edges[i + 1] - state.edges[i],
-                density=segment.material.density * segment.area,
-                stiffness=segment.material.youngs_modulus * segment.area,
+                length=edges[i + 1] - edges[i],
+                density=material.density * segment.area,
+                stiffness=material.youngs_modulus * segment.area,
                 velocity=state.velocity[i],
                 strain=state.strain[i],
             )
@@ -79,28 +81,37 @@ def expected_sway(parts, wall_velocity):
     the energy of vibration. g is the share of the mass up to x, or 1 beside a wall: it
     goes linearly from g0 to g1 in each part.
     """
-    length, density, stiffness, velocity, strain = np.array(parts).T  # [part] each
+    columns = np.array(parts).T  # [field, part]
+    length, density, stiffness, velocity, strain = columns
     mass = length * density
     share = np.cumsum(mass) / mass.sum()  # of the mass, up to the end of each part
     if wall_velocity is None:
         mean = np.sum(mass * velocity) / mass.sum()
-        g0 = np.concatenate(([0.0], share[:-1]))
+        g0 = np.append(0.0, share[:-1])  # at the start of each part
         g1 = share
     else:
         mean = wall_velocity
         g0 = np.ones(len(parts))
         g1 = g0
-    deviation = np.sum(strain * length * (g0 + g1) / 2)
-    kinetic = np.sum(mass * (velocity - mean) ** 2) / 2
+    mean_g = (g0 + g1) / 2
+    deviation = np.sum(strain * length * mean_g)
+    velocity_of_vibration = velocity - mean
+    kinetic = np.sum(mass * velocity_of_vibration**2) / 2
     elastic = np.sum(stiffness * strain**2 * length) / 2
-    compliance = np.sum(length / stiffness * (g0**2 + g0 * g1 + g1**2) / 3)
-    return Sway(mean, deviation, 2 * (kinetic + elastic) * compliance)
+    mean_squared_g = (g0**2 + g0 * g1 + g1**2) / 3
+    compliance = np.sum(length / stiffness * mean_squared_g)
+    squared_bound = 2 * (kinetic + elastic) * compliance
+    return Sway(mean, deviation, squared_bound)
 
 
 def wall_velocities(system, group):
     """Velocities of the walls of a group."""
-    bodies = [system.bodies[i] for i in group]
-    return [body.velocity for body in bodies if isinstance(body, ri.Wall)]
+    velocities = []
+    for i in group:
+        body = system.bodies[i]
+        if isinstance(body, ri.Wall):
+            velocities.append(body.velocity)
+    return velocities
 
 
 def sides_of(group, system):
@@ -108,10 +119,12 @@ def sides_of(group, system):
     right.
     """
     sides = []
-    if group[-1] < len(system.contacts):
-        sides.append((group[-1], False))
-    if group[0] > 0:
-        sides.append((group[0] - 1, True))
+    first = group[0]
+    last = group[-1]
+    if last < len(system.contacts):
+        sides.append((last, False))
+    if first > 0:
+        sides.append((first - 1, True))
     return sides
 
 
@@ -129,7 +142,8 @@ def test_mean_motions_and_bounds_of_groups_are_those_of_sums_over_parts(seed, tr
         wall_velocity = walls[0] if walls else None
         for contact, on_right in sides_of(group, system):
             # Groups end at contacts that can open, and not at bonds.
-            assert run.nodes[run.layout.contacts[contact]].status >= Status.OPEN
+            node = run.layout.contacts[contact]
+            assert run.nodes[node].status >= Status.OPEN
             motion = group_of(run, contact, right=on_right)
             if on_right:
                 parts_to_contact = parts[::-1]
@@ -137,7 +151,8 @@ def test_mean_motions_and_bounds_of_groups_are_those_of_sums_over_parts(seed, tr
                 parts_to_contact = parts
             sway = expected_sway(parts_to_contact, wall_velocity=wall_velocity)
             assert_motion_is_that_of_sums(motion, sway, run, on_right)
-            if motion.is_end_velocity_bounded and has_waves(parts, system, group):
+            is_bounded = motion.is_end_velocity_bounded
+            if is_bounded and has_waves(parts, system, group):
                 assert motion.min_end_velocity == motion.max_end_velocity
 
 
@@ -148,10 +163,12 @@ def assert_motion_is_that_of_sums(motion, sway, run, on_right):
     assert velocity == pytest.approx(sway.mean_velocity, abs=1e-11)
     to_the_right = -sway.deviation if on_right else sway.deviation
     round_off = 1e-11 * horizon(run.clock.system)
-    assert motion.end_deviation * tick == pytest.approx(to_the_right, abs=round_off)
+    deviation = motion.end_deviation * tick
+    assert deviation == pytest.approx(to_the_right, abs=round_off)
     if motion.deviation_bound_squared > 0:
         squared = motion.deviation_bound_squared * tick**2
-        assert squared == pytest.approx(sway.squared_bound, rel=1e-9, abs=1e-24)
+        expected = sway.squared_bound
+        assert squared == pytest.approx(expected, rel=1e-9, abs=1e-24)
 
 
 def has_waves(parts, system, group):
@@ -163,18 +180,19 @@ def has_waves(parts, system, group):
     strains = {part.strain for part in parts}
     n_segments = 0
     for i in group:
-        n_segments += len(getattr(system.bodies[i], "segments", ()))
-    is_uniform = n_segments == 1 and not wall_velocities(system, group)
-    return max(len(velocities), len(strains)) > 1 and not is_uniform
+        segments = getattr(system.bodies[i], "segments", ())  # a wall has none
+        n_segments += len(segments)
+    has_wall = bool(wall_velocities(system, group))
+    is_uniform = n_segments == 1 and not has_wall
+    n_states = max(len(velocities), len(strains))
+    return n_states > 1 and not is_uniform
 
 
 def stretched(velocity, strain):
     """A stepped rod under strain."""
-    segments = [
-        ri.Segment(1.0, area=1.0, material=M),
-        ri.Segment(0.7, area=2.0, material=M),
-    ]
-    return ri.Rod(segments=segments, velocity=velocity, strain=strain)
+    thin = ri.Segment(1.0, area=1.0, material=M)
+    thick = ri.Segment(0.7, area=2.0, material=M)
+    return ri.Rod(segments=[thin, thick], velocity=velocity, strain=strain)
 
 
 def test_the_proof_waits_until_the_mean_gap_is_beyond_the_swing_of_both_ends():
@@ -184,20 +202,24 @@ def test_the_proof_waits_until_the_mean_gap_is_beyond_the_swing_of_both_ends():
     gap = 0.001
     drift = 1e-3
     rods = [stretched(0.0, 0.02), stretched(drift, -0.01)]
-    run = tracked(ri.System(rods, gaps=[gap]), until=0.0)
+    system = ri.System(rods, gaps=[gap])
+    run = tracked(system, until=0.0)
     solution = solution_of(run, until=0.0)
-    left = expected_sway(parts_of(solution, [0]), wall_velocity=None)
+    parts_of_left = parts_of(solution, [0])
+    left = expected_sway(parts_of_left, wall_velocity=None)
     parts_to_gap = parts_of(solution, [1])[::-1]  # its left end is at the gap
     right = expected_sway(parts_to_gap, wall_velocity=None)
     # A deviation towards the gap narrows it, so the mean gap is wider by it.
     mean_gap = gap + left.deviation + right.deviation
     # sqrt(a) + sqrt(b) <= sqrt(2 (a + b))
-    reach = np.sqrt(2 * (left.squared_bound + right.squared_bound))
+    sum_of_squares = left.squared_bound + right.squared_bound
+    reach = np.sqrt(2 * sum_of_squares)
 
     proof_tick = finality.finality_tick(records_of(run), 0)
 
     wait = (reach - mean_gap) / drift
-    assert proof_tick * run.clock.tick == pytest.approx(wait, rel=2e-6)
+    proof_time = proof_tick * run.clock.tick
+    assert proof_time == pytest.approx(wait, rel=2e-6)
 
 
 @given(st.integers(0, 10**6))
@@ -221,9 +243,10 @@ def test_a_clamped_rod_that_is_struck_is_final_only_when_it_strikes_no_more():
     longer = ri.solve(system, until=20 * solution.t_end)
 
     assert solution.final
-    contact = longer.outcome.contacts[0]
-    assert contact.last <= solution.t_final
-    assert contact.episodes == solution.outcome.contacts[0].episodes
+    contact = solution.outcome.contacts[0]
+    longer_contact = longer.outcome.contacts[0]
+    assert longer_contact.last <= solution.t_final
+    assert longer_contact.episodes == contact.episodes
 
 
 def test_a_grazing_contact_that_presses_again_is_one_episode():
@@ -234,13 +257,15 @@ def test_a_grazing_contact_that_presses_again_is_one_episode():
     velocity = ri.Steps([0, 1, 0, 1, 0], at=jumps)
     strain = ri.Steps([0, -1, 0, -1, 0], at=jumps)
     pulses = ri.Rod(3.0, area=1.0, material=M, velocity=velocity, strain=strain)
-    system = ri.System([pulses, ri.Rod(3.0, area=1.0, material=M)])
+    struck = ri.Rod(3.0, area=1.0, material=M)
+    system = ri.System([pulses, struck])
 
     solution = ri.solve(system, until=3.0)
 
     # The front of the first pulse is 0.5 m from the contact; each is 0.5 m long.
     contact = solution.contacts[0]
-    forces = contact.force([0.25, 0.75, 1.25, 1.75, 2.25])
+    times = [0.25, 0.75, 1.25, 1.75, 2.25]
+    forces = contact.force(times)
     assert forces.tolist() == [0, 1, 0, 1, 0]
     (episode,) = contact.episodes
     assert episode.start == 0.5
@@ -281,7 +306,8 @@ def test_a_gap_closes_now_if_it_would_within_the_window_and_parts_if_it_opens(
         node, closing=closing, dt=100, tolerance=1e-9, window=10
     )
 
-    assert (status, node.gap, node.gap_rate) == after
+    result = (status, node.gap, node.gap_rate)
+    assert result == after
 
 
 @pytest.mark.parametrize(
@@ -322,13 +348,16 @@ def test_a_closing_joins_an_arrival_within_the_window(delay):
     system = ri.System([striker, struck], gaps=[1e-3])
     clock = tracked(system, until=1.0).clock
     arrival = clock.ticks[1] // 2  # of the front, after half of a transit
-    gap = (arrival - delay) * 0.5 * clock.tick  # it closes at 0.5 m/s
+    time_of_closing = (arrival - delay) * clock.tick
+    gap = 0.5 * time_of_closing  # it closes at 0.5 m/s
+    system_with_gap = system.replace(gaps=[gap])
 
-    run = tracked(system.replace(gaps=[gap]), until=1.0)
+    run = tracked(system_with_gap, until=1.0)
 
     assert run.clock.ticks == clock.ticks  # the gap changes no tick
     assert run.run.round_off_window > 900  # ticks, the longest delay
-    assert run.nodes[1].first_force_tick == arrival
+    contact_node = run.nodes[1]
+    assert contact_node.first_force_tick == arrival
 
 
 def test_round_off_of_cuts_makes_no_fronts():
@@ -336,14 +365,17 @@ def test_round_off_of_cuts_makes_no_fronts():
     cuts.
     """
     odd = ri.Material("odd", youngs_modulus=1.23456789, density=0.987654321)
-    segments = [ri.Segment(0.1, area=0.7654321, material=odd)] * 7
-    state = {"velocity": 0.3, "strain": ri.Steps([0.1, 0.0], at=[0.33])}
-    whole = ri.Rod(0.7, area=0.7654321, material=odd, **state)
-    cut = ri.Rod(segments=segments, **state)
-    struck = ri.Rod(0.7, area=0.7654321, material=odd)
+    area = 0.7654321
+    segment = ri.Segment(0.1, area=area, material=odd)
+    strain = ri.Steps([0.1, 0.0], at=[0.33])
+    whole = ri.Rod(0.7, area=area, material=odd, velocity=0.3, strain=strain)
+    cut = ri.Rod(segments=[segment] * 7, velocity=0.3, strain=strain)
+    struck = ri.Rod(0.7, area=area, material=odd)
+    pair = ri.System([whole, struck])
+    cut_pair = ri.System([cut, struck])
 
-    solution = ri.solve(ri.System([whole, struck]), until=100.0)
-    solution_of_cut = ri.solve(ri.System([cut, struck]), until=100.0)
+    solution = ri.solve(pair, until=100.0)
+    solution_of_cut = ri.solve(cut_pair, until=100.0)
 
     velocities = solution.outcome.velocities_after
     velocities_of_cut = solution_of_cut.outcome.velocities_after
@@ -351,11 +383,13 @@ def test_round_off_of_cuts_makes_no_fronts():
     assert solution_of_cut.events <= 2 * solution.events
 
 
-VIBRATING = ri.Rod(1.0, area=1.0, material=M, velocity=ri.Steps([1.0, -1.0], at=[0.5]))
+OPPOSITE_HALVES = ri.Steps([1.0, -1.0], at=[0.5])
+VIBRATING = ri.Rod(1.0, area=1.0, material=M, velocity=OPPOSITE_HALVES)
 
 
 def test_a_vibrating_rod_alone_is_final_at_once():
-    solution = ri.solve(ri.System([VIBRATING]))
+    system = ri.System([VIBRATING])
+    solution = ri.solve(system)
     assert solution.stopped_by == "final"
     assert solution.t_final == 0.0
     assert solution.t_end == 2.0  # a round trip is shown
@@ -370,17 +404,17 @@ def test_a_slow_drift_is_waited_for_as_long_as_the_clock_counts(drift, stop):
     solution = ri.solve(system, max_events=50_000)
 
     assert solution.stopped_by == stop
-    assert solution.outcome.contacts[0].episodes == 0  # the rods never touch
+    (contact,) = solution.outcome.contacts
+    assert contact.episodes == 0  # the rods never touch
     assert 1000 < solution.events < 20_000  # it waits, but not for ever
 
 
 # When the last contact ended
 # --------------------------------------------------------------------------------------
 
-PAIR = [
-    ri.Rod(0.4, area=1.0, material=M, velocity=1.0),
-    ri.Rod(1.0, area=1.0, material=M),
-]
+MOVING = ri.Rod(0.4, area=1.0, material=M, velocity=1.0)
+RESTING = ri.Rod(1.0, area=1.0, material=M)
+PAIR = [MOVING, RESTING]
 SPRING = ri.Spring(0.5)
 RIGID_OPENING = 2.0
 """When rigid rods part, s; from 0.8 s on, where their force ends, they only touch."""
@@ -401,7 +435,9 @@ def test_the_last_contact_ended_whatever_the_end_and_the_method(
     system = ri.System(PAIR, contacts=[law])
     opening = RIGID_OPENING
     if law == SPRING:
-        opening = ri.solve(system, until=9.0).contacts[0].episodes[-1].opening
+        by_other_method = ri.solve(system, until=9.0)
+        last_episode = by_other_method.contacts[0].episodes[-1]
+        opening = last_episode.opening
 
     solution = ri.solve(system, until=until, method=method, **options)
 
@@ -414,7 +450,8 @@ def test_the_last_contact_ended_whatever_the_end_and_the_method(
 
 
 def test_where_bodies_still_touch_no_end_of_contact_is_stated():
-    solution = ri.solve(ri.System(PAIR), until=1.0)
+    system = ri.System(PAIR)
+    solution = ri.solve(system, until=1.0)
     assert solution.final
     assert math.isnan(solution.t_final)
     assert "Bodies still touch at the end of the run." in solution.status
@@ -423,11 +460,14 @@ def test_where_bodies_still_touch_no_end_of_contact_is_stated():
 @pytest.mark.parametrize("until", [None, 9.0, 99.0])
 def test_bodies_that_come_to_rest_together_end_with_their_force(until):
     striker = ri.Rod(0.5, area=1.0, material=M, velocity=1.0)
-    system = ri.System([striker, PAIR[1]], ends=(ri.Free(), ri.Absorbing()))
-    assert ri.solve(system, until=until).t_final == 1.0
+    ends = (ri.Free(), ri.Absorbing())
+    system = ri.System([striker, RESTING], ends=ends)
+    solution = ri.solve(system, until=until)
+    assert solution.t_final == 1.0
 
 
 def test_bodies_that_are_squeezed_for_ever_have_no_end_of_contact():
     squeezed = ri.Rod(1.0, area=1.0, material=M, strain=-1e-4)
     system = ri.System([ri.Wall(), squeezed, ri.Wall()])
-    assert ri.solve(system).t_final == math.inf
+    solution = ri.solve(system)
+    assert solution.t_final == math.inf

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from exhaustive import few_of
 from mistakes import assert_told
+from numpy.random import default_rng
 
 import rodimpact as ri
 from rodimpact.methods import kernels
@@ -19,7 +20,8 @@ PLACES = np.linspace(0.0, LENGTH, 9)
 def standing_wave(drag, mean_velocity=0.0):
     """A free rod in drag, which starts with the velocities of its lowest mode."""
     x = np.linspace(0.0, LENGTH, 257)
-    velocity = ri.Samples(mean_velocity + np.cos(math.pi * x), smooth=True)
+    lowest_mode = np.cos(math.pi * x)
+    velocity = ri.Samples(mean_velocity + lowest_mode, smooth=True)
     return ri.Rod(LENGTH, area=1.0, material=SOFT, velocity=velocity, shaft=drag)
 
 
@@ -30,22 +32,26 @@ def amplitude(t, damping):
     with w^2 = pi^2 - d^2/4: an oscillation or, where w^2 < 0, a motion that creeps back.
     The damping must not be 2 pi, where w = 0.
     """
-    w = np.sqrt(complex(math.pi**2 - damping**2 / 4))
+    w_squared = math.pi**2 - damping**2 / 4
+    w = np.sqrt(complex(w_squared))
     decay = np.exp(-damping * t / 2)
-    oscillation = np.cos(w * t) - damping / (2 * w) * np.sin(w * t)
+    share_of_sine = damping / (2 * w)
+    oscillation = np.cos(w * t) - share_of_sine * np.sin(w * t)
     return (decay * oscillation).real
 
 
 @pytest.mark.parametrize("damping", [0.3, 3.0, 30.0])
 def test_a_standing_wave_dies_out_as_the_telegraph_equation_says(damping):
-    system = ri.System([standing_wave(ri.Drag(damping))])
+    rod = standing_wave(ri.Drag(damping))
+    system = ri.System([rod])
     t = np.linspace(0.0, 2 * HALF_PERIOD, 21)
 
     solution = ri.solve(system, until=2 * HALF_PERIOD, cells=400)
 
     x = PLACES[:, None]
     exact = amplitude(t, damping) * np.cos(math.pi * x)
-    assert solution.velocity(0, x, t) == pytest.approx(exact, abs=2e-4)
+    velocity = solution.velocity(0, x, t)
+    assert velocity == pytest.approx(exact, abs=2e-4)
 
 
 def test_errors_of_the_velocity_of_an_end_fall_with_the_square_of_the_step():
@@ -53,19 +59,21 @@ def test_errors_of_the_velocity_of_an_end_fall_with_the_square_of_the_step():
     # samples.
     x = np.linspace(0.0, LENGTH, 2049)
     wave = ri.Samples(np.cos(math.pi * x))
-    rod = standing_wave(ri.Drag(3.0)).replace(velocity=wave)
+    rod = standing_wave(ri.Drag(3.0))
+    system = ri.System([rod.replace(velocity=wave)])
     t = 0.7
     exact = amplitude(t, damping=3.0)
 
     errors = []
     for cells in (25, 50, 100, 200):
         dt = t / (2 * cells)  # 0.35 of the longest stable step
-        solution = ri.solve(ri.System([rod]), until=t, cells=cells, dt=dt)
+        solution = ri.solve(system, until=t, cells=cells, dt=dt)
         velocity = float(solution.velocity(0, 0.0, t))
         errors.append(abs(velocity - exact))
 
     ratios = np.array(errors[:-1]) / errors[1:]  # from one mesh to the next finer one
-    assert np.log2(ratios) == pytest.approx(2.0, abs=0.02)
+    orders = np.log2(ratios)
+    assert orders == pytest.approx(2.0, abs=0.02)
 
 
 def test_a_front_loses_half_of_the_rate_of_a_whole_rod():
@@ -74,8 +82,10 @@ def test_a_front_loses_half_of_the_rate_of_a_whole_rod():
     A whole rod, on which no force acts, slows down as exp(-d t).
     """
     damping = 1.0  # drag per mass of the rod, 1/s
-    rod = ri.Rod(2.0, area=1.0, material=SOFT, shaft=ri.Drag(2 * damping))
-    system = ri.System([rod], ends=(ri.Pushed(1.0), ri.Free()))
+    drag = ri.Drag(2 * damping)  # over the length; the rod has 2 kg in 2 m
+    rod = ri.Rod(2.0, area=1.0, material=SOFT, shaft=drag)
+    push = ri.Pushed(1.0)
+    system = ri.System([rod], ends=(push, ri.Free()))
 
     solution = ri.solve(system, until=1.5, cells=1000)
 
@@ -87,33 +97,39 @@ def test_a_front_loses_half_of_the_rate_of_a_whole_rod():
 
 def test_a_rod_slows_down_exponentially_and_drag_takes_its_energy():
     damping = 0.8
-    rod = ri.Rod(LENGTH, area=1.0, material=SOFT, velocity=2.0, shaft=ri.Drag(damping))
+    drag = ri.Drag(damping)
+    rod = ri.Rod(LENGTH, area=1.0, material=SOFT, velocity=2.0, shaft=drag)
+    system = ri.System([rod])
     t = np.linspace(0.0, 3.0, 13)
 
-    solution = ri.solve(ri.System([rod]), until=3.0, cells=50, dt=1e-2)
+    solution = ri.solve(system, until=3.0, cells=50, dt=1e-2)
     ledger = solution.energy(t)
 
     velocity = 2.0 * np.exp(-damping * t)
     lost = (2.0**2 - velocity**2) / 2  # J, of 1 kg
-    assert solution.mean_velocity(0, t) == pytest.approx(velocity, abs=1e-5)
+    mean_velocity = solution.mean_velocity(0, t)
+    assert mean_velocity == pytest.approx(velocity, abs=1e-5)
     assert ledger.drag_work == pytest.approx(lost, abs=2e-3)
     assert ledger.soil_work == pytest.approx(0.0)
     assert np.abs(ledger.residual).max() < 1e-13
-    assert solution.outcome.drag_work == pytest.approx(ledger.drag_work[-1])
-    assert "lost to drag" in str(solution.outcome)
+    outcome = solution.outcome
+    work_until_end = ledger.drag_work[-1]
+    assert outcome.drag_work == pytest.approx(work_until_end)
+    assert "lost to drag" in str(outcome)
 
 
 def random_row(seed):
     """Two moving rods in drag of their own, which may meet or be bonded, and a mass
     behind them.
     """
-    rng = np.random.default_rng(seed)
+    rng = default_rng(seed)
     rods = []
     for _ in range(2):
         length = float(rng.uniform(0.5, 2))
         coefficient = float(10 ** rng.uniform(-2, 2))
         if rng.random() < 0.5:
-            values = [coefficient, float(rng.choice([0.0, 1.0]))]
+            second_value = float(rng.choice([0.0, 1.0]))
+            values = [coefficient, second_value]
             step = length * float(rng.uniform(0.1, 0.9))
             coefficient = ri.Steps(values, at=[step])
         area = float(rng.uniform(0.5, 2))
@@ -128,62 +144,81 @@ def random_row(seed):
         )
         rods.append(rod)
     laws = [ri.Bonded(), ri.Rigid(), ri.Spring(5.0)]
-    contacts = [laws[rng.integers(3)], ri.Spring(3.0)]
+    between_rods = laws[rng.integers(3)]
     gravity = float(rng.choice([0.0, 0.3]))
-    return ri.System([*rods, ri.RigidMass(1.0)], contacts=contacts, gravity=gravity)
+    mass = ri.RigidMass(1.0)
+    contacts = [between_rods, ri.Spring(3.0)]
+    return ri.System([*rods, mass], contacts=contacts, gravity=gravity)
 
 
 @pytest.mark.parametrize("seed", few_of(range(60), range(6)))
 def test_balances_of_random_rows_close_and_drag_gives_nothing(seed):
     round_off = 1e-15
 
-    solution = ri.solve(random_row(seed), until=3.0, cells=24)
+    row = random_row(seed)
 
-    assert abs(solution.outcome.momentum_residual) < 1e-13
-    assert abs(solution.outcome.energy_residual) < 1e-12
-    lost = solution.energy(np.linspace(0.0, 3.0, 40)).drag_work
-    assert lost[-1] > 0
-    assert np.diff(lost).min() > -round_off
+    solution = ri.solve(row, until=3.0, cells=24)
+
+    outcome = solution.outcome
+    assert abs(outcome.momentum_residual) < 1e-13
+    assert abs(outcome.energy_residual) < 1e-12
+    times = np.linspace(0.0, 3.0, 40)
+    lost = solution.energy(times).drag_work
+    lost_at_end = lost[-1]
+    assert lost_at_end > 0
+    increases = np.diff(lost)
+    assert increases.min() > -round_off
+
+
+def outcome_of(row, compiling):
+    """The outcome of 1 s as a dict, by machine code if `compiling`, else by Python."""
+    with kernels.forced(compiling):
+        solution = ri.solve(row, until=1.0, cells=16)
+    return solution.outcome.to_dict()
 
 
 @pytest.mark.parametrize("seed", few_of(range(12), range(2)))
 def test_outcomes_of_random_rows_are_the_same_in_machine_code(seed):
     row = random_row(seed)
 
-    with kernels.forced(compiling=False):
-        plain = ri.solve(row, until=1.0, cells=16).outcome
-    with kernels.forced(compiling=True):
-        compiled = ri.solve(row, until=1.0, cells=16).outcome
+    plain = outcome_of(row, compiling=False)
+    compiled = outcome_of(row, compiling=True)
 
-    assert plain.to_dict() == compiled.to_dict()
+    assert plain == compiled
 
 
 def test_a_mirrored_row_moves_alike():
     row = random_row(1)
+    mirrored_row = row.mirrored()
 
-    outcome = ri.solve(row, until=1.0, cells=20).outcome
-    outcome_of_mirrored = ri.solve(row.mirrored(), until=1.0, cells=20).outcome
+    solution = ri.solve(row, until=1.0, cells=20)
+    mirrored = ri.solve(mirrored_row, until=1.0, cells=20)
 
-    velocities = np.array(outcome.velocities_after)
-    mirrored = np.array(outcome_of_mirrored.velocities_after)
-    assert mirrored[::-1] == pytest.approx(-velocities, abs=1e-9)
+    # The last body of the row is the first of the mirrored one, and moves to the left.
+    velocities = -np.array(mirrored.outcome.velocities_after)
+    expected = solution.outcome.velocities_after
+    assert velocities[::-1] == pytest.approx(expected, abs=1e-9)
 
 
 def test_a_continued_run_is_one_that_did_not_stop():
-    system = ri.System([standing_wave(ri.Drag(2.0), mean_velocity=0.5)])
+    rod = standing_wave(ri.Drag(2.0), mean_velocity=0.5)
+    system = ri.System([rod])
 
     whole = ri.solve(system, until=1.5, cells=400)
-    second_part = ri.solve(whole.system_at(0.5), until=1.0, cells=400)
+    continued = whole.system_at(0.5)
+    second_part = ri.solve(continued, until=1.0, cells=400)
 
     x = PLACES[:, None]
     t = np.linspace(0.0, 1.0, 11)
     expected = whole.velocity(0, x, t + 0.5)
-    assert second_part.velocity(0, x, t) == pytest.approx(expected, abs=2e-3)
+    velocity = second_part.velocity(0, x, t)
+    assert velocity == pytest.approx(expected, abs=2e-3)
 
 
 @pytest.mark.parametrize("method", ["fronts", "characteristics"])
 def test_other_methods_say_that_they_have_no_drag(method):
-    system = ri.System([standing_wave(ri.Drag(1.0))])
+    rod = standing_wave(ri.Drag(1.0))
+    system = ri.System([rod])
 
     with pytest.raises(ri.InvalidModel) as caught:
         ri.solve(system, until=0.01, method=method)
@@ -195,37 +230,45 @@ def test_other_methods_say_that_they_have_no_drag(method):
 
 
 def test_a_run_in_drag_needs_an_end():
+    rod = standing_wave(ri.Drag(1.0))
+    system = ri.System([rod])
     with pytest.raises(ri.InvalidModel, match=r"until: must be given.*drag"):
-        ri.solve(ri.System([standing_wave(ri.Drag(1.0))]))
+        ri.solve(system)
 
 
 def test_members_of_a_family_have_drags_of_their_own():
     coefficients = [0.5, 5.0]
     rod = standing_wave(ri.Drag(coefficients), mean_velocity=1.0)
+    system = ri.System([rod])
     options = {"until": 1.0, "cells": 30}
 
-    family = ri.sweep(ri.System([rod]), **options, workers=1)
+    family = ri.sweep(system, **options, workers=1)
 
+    velocities = family.columns["velocity_after.0"]
     for i in range(2):
-        alone = ri.solve(ri.System([rod])[i], **options).outcome
-        velocity = family.columns["velocity_after.0"][i]
-        assert velocity == alone.velocities_after[0]
+        alone = ri.solve(system[i], **options)
+        (velocity,) = alone.outcome.velocities_after
+        assert velocities[i] == velocity
     # The larger drag per mass, 5/s, takes nearly all of 1 m/s: exp(-5) is left.
-    assert family.columns["velocity_after.0"][1] < 0.1
+    assert velocities[1] < 0.1
 
 
 @pytest.mark.exhaustive
 def test_a_drag_coefficient_is_found_from_a_record():
     rod = standing_wave(ri.Drag(2.0), mean_velocity=1.0)
-    record = ri.solve(ri.System([rod]), until=1.0, cells=60).gauge(0, 0.5)
-    measured = ri.Measured(record.signal(0.01), gauge=(0, 0.5))
-    guess = ri.System([rod.replace(shaft=ri.Drag(1.0))])
+    system = ri.System([rod])
+    place = (0, 0.5)  # body, m
+    gauge = ri.solve(system, until=1.0, cells=60).gauge(*place)
+    record = ri.Measured(gauge.signal(0.01), gauge=place)
+    first_guess = rod.replace(shaft=ri.Drag(1.0))
+    guess = ri.System([first_guess])
     coefficient = "bodies.0.shaft.coefficient"
     vary = {coefficient: (0.5, 5.0)}
 
-    fitted = ri.fit(guess, measured, vary, until=1.0, cells=60)
+    fitted = ri.fit(guess, record, vary, until=1.0, cells=60)
 
-    assert fitted.values[coefficient] == pytest.approx(2.0, rel=1e-3)
+    value = fitted.values[coefficient]
+    assert value == pytest.approx(2.0, rel=1e-3)
 
 
 @pytest.mark.parametrize(
@@ -251,14 +294,18 @@ def test_mistakes_are_named(make, path, message):
 
 
 def test_a_rod_that_hangs_in_drag_stays_at_rest_and_has_no_soil():
-    rod = ri.Rod(LENGTH, area=1.0, material=SOFT, shaft=ri.Drag(1.0))
-    hanging = ri.System([ri.Wall(), rod], contacts=[ri.Bonded()], gravity=0.1)
+    drag = ri.Drag(1.0)
+    rod = ri.Rod(LENGTH, area=1.0, material=SOFT, shaft=drag)
+    bonds = [ri.Bonded()]
+    hanging = ri.System([ri.Wall(), rod], contacts=bonds, gravity=0.1)
 
     at_rest = ri.at_rest(hanging, cells=20)
     solution = ri.solve(at_rest, until=1.0, cells=20)
 
-    assert at_rest.bodies[1].shaft == ri.Drag(1.0)
-    velocity = solution.velocity(1, PLACES[:, None], [0.3, 1.0])
+    _, rod_at_rest = at_rest.bodies
+    assert rod_at_rest.shaft == drag
+    x = PLACES[:, None]
+    velocity = solution.velocity(1, x, [0.3, 1.0])
     assert np.abs(velocity).max() < 1e-12
     with pytest.raises(ri.InvalidModel, match="has no soil along its shaft"):
         solution.soil(1, 0.5)

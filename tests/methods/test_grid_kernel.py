@@ -10,6 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from mistakes import refused
 from networks import STEP, unit_rod
+from numpy.random import default_rng
 from runs import solution_of
 
 import rodimpact as ri
@@ -65,7 +66,7 @@ def test_a_run_in_pieces_is_the_whole_run(driven):
         whole.advance(100)
 
         in_pieces = grid_run(system, room=100)
-        lengths = np.random.default_rng(seed).choice(np.arange(1, 100), 5)
+        lengths = default_rng(seed).choice(np.arange(1, 100), 5)
         pauses = lengths.cumsum()  # steps at which the run is stopped
         for pause in pauses[pauses < 100]:
             in_pieces.advance(int(pause))
@@ -93,7 +94,7 @@ def tridiagonal(diagonal, coupling, is_held):
 
 @given(SEEDS, st.integers(2, 12), st.booleans(), st.booleans())
 def test_elimination_solves_as_dense_matrices_do(seed, nodes, held_left, held_right):
-    rng = np.random.default_rng(seed)
+    rng = default_rng(seed)
     before, after = rng.integers(0, 3, 2)  # nodes on either side of the piece
     n = before + nodes + after
     first = before
@@ -239,7 +240,7 @@ def random_stepped_rod(seed):
     """A rod of three segments, some damped, tapered or with lateral inertia; with seed
     0 a uniform one.
     """
-    rng = np.random.default_rng(seed)
+    rng = default_rng(seed)
     soft = unit_density(1.0)
     first = ri.Segment(0.5, area=1.0, material=soft)
     second = ri.Segment(0.4, area=3.0, material=unit_density(2.0))
@@ -446,7 +447,7 @@ def random_far_end(seed):
 
     The other end of the rod is free, fixed or absorbs, or a mass is bonded to it.
     """
-    rng = np.random.default_rng(seed)
+    rng = default_rng(seed)
     soft = unit_density(1.0)
     segments = [
         ri.Segment(0.5, area=1.0, material=soft),

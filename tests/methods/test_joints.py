@@ -19,7 +19,8 @@ both_methods = pytest.mark.parametrize("method", METHODS)
 
 def solve_by(method, system, until=None, **options):
     """Solve by a method, with its options of `METHODS`."""
-    return ri.solve(system, until=until, method=method, **METHODS[method], **options)
+    options |= METHODS[method]
+    return ri.solve(system, until=until, method=method, **options)
 
 
 def quick_rod(length=1.0, **state):
@@ -30,25 +31,23 @@ def quick_rod(length=1.0, **state):
 # A chain of masses
 # --------------------------------------------------------------------------------------
 
-STIFFNESS = (3.0, 5.0)  # of the spring at the wall, and of the one between the masses
+WALL_STIFFNESS = 3.0  # of the spring between wall and first mass
+MIDDLE_STIFFNESS = 5.0  # of the spring between the masses
 DAMPING = 0.3  # of the dashpot between the masses
-MASSES = (0.4, 0.7)
+FIRST_MASS = 0.4
+SECOND_MASS = 0.7
 STRETCH = 0.2  # of the spring at the wall in the beginning
 
 
 def chain_of_masses():
     """Wall, spring, mass, spring and dashpot, mass; the rod beyond is never met."""
-    bodies = [
-        ri.Wall(),
-        ri.RigidMass(MASSES[0]),
-        ri.RigidMass(MASSES[1], velocity=1.0),
-        unit_rod(),
-    ]
-    laws = [
-        ri.Joint(STIFFNESS[0], stretch=STRETCH),
-        ri.Joint(STIFFNESS[1], damping=DAMPING),
-        ri.Rigid(),
-    ]
+    first = ri.RigidMass(FIRST_MASS)
+    second = ri.RigidMass(SECOND_MASS, velocity=1.0)
+    far_rod = unit_rod()
+    bodies = [ri.Wall(), first, second, far_rod]
+    wall_spring = ri.Joint(WALL_STIFFNESS, stretch=STRETCH)
+    dashpot = ri.Joint(MIDDLE_STIFFNESS, damping=DAMPING)
+    laws = [wall_spring, dashpot, ri.Rigid()]
     return ri.System(bodies, gaps=[0.0, 0.0, 100.0], contacts=laws)
 
 
@@ -56,16 +55,20 @@ def exact_chain(times):
     """Stretches from the wall to each mass, then the velocities of both [time, 4], by
     the matrix exponential.
     """
-    k0, k1 = STIFFNESS
+    k0 = WALL_STIFFNESS
+    k1 = MIDDLE_STIFFNESS
     K = np.array([[k0 + k1, -k1], [-k1, k1]])
-    C = DAMPING * np.array([[1.0, -1.0], [-1.0, 1.0]])
-    inverse = np.diag(1 / np.array(MASSES))
+    of_relative_motion = np.array([[1.0, -1.0], [-1.0, 1.0]])
+    C = DAMPING * of_relative_motion
+    inverse = np.diag([1 / FIRST_MASS, 1 / SECOND_MASS])
     # M x'' + C x' + K x = 0 as rates of (x, x')
-    rates_of_stretches = [np.zeros((2, 2)), np.eye(2)]
+    zeros = np.zeros((2, 2))
+    rates_of_stretches = [zeros, np.eye(2)]
     rates_of_velocities = [-inverse @ K, -inverse @ C]
     A = np.block([rates_of_stretches, rates_of_velocities])
     start = np.array([STRETCH, STRETCH, 0.0, 1.0])
-    return np.array([expm(A * time) @ start for time in times])
+    states = [expm(A * time) @ start for time in times]
+    return np.array(states)
 
 
 @pytest.mark.parametrize(
@@ -79,15 +82,18 @@ def test_a_chain_of_masses_swings_as_its_matrix_says(method, residual):
     solution = solve_by(method, chain_of_masses(), until=6.0)
 
     wall_spring, dashpot, _ = solution.contacts
+    velocity_of_second = solution.velocity(2, 0.0, times)
     assert wall_spring.gap(times) == pytest.approx(first, abs=1e-3)
     assert dashpot.gap(times) == pytest.approx(second - first, abs=1e-3)
-    assert solution.velocity(2, 0.0, times) == pytest.approx(velocity, abs=3e-3)
+    assert velocity_of_second == pytest.approx(velocity, abs=3e-3)
     energy = solution.energy(times)
     assert np.abs(energy.residual).max() < residual
-    stored = STIFFNESS[0] * STRETCH**2 / 2
-    assert energy.contact[0] == pytest.approx(stored, rel=1e-14)
-    assert np.diff(energy.dissipated).min() >= 0
-    assert energy.dissipated[-1] > 0.1  # J, of 0.41 at the start
+    stored_at_start = energy.contact[0]
+    expected = WALL_STIFFNESS * STRETCH**2 / 2
+    assert stored_at_start == pytest.approx(expected, rel=1e-14)
+    dissipated = energy.dissipated
+    assert np.diff(dissipated).min() >= 0
+    assert dissipated[-1] > 0.1  # J, of 0.41 at the start
 
 
 # The proof that a collision is over
@@ -97,33 +103,38 @@ def test_a_chain_of_masses_swings_as_its_matrix_says(method, residual):
 @both_methods
 def test_a_joined_mass_and_rod_are_struck_as_one_body(method):
     """They go on with one velocity, and the contact with the striker is proved over."""
-    bodies = [unit_rod(velocity=1.0), ri.RigidMass(0.5), quick_rod()]
+    striker = unit_rod(velocity=1.0)
+    mass = ri.RigidMass(0.5)
+    bodies = [striker, mass, quick_rod()]
     joint = ri.Joint(2.0, damping=0.1)
     system = ri.System(bodies, contacts=[ri.Rigid(), joint])
 
     solution = solve_by(method, system)
-    longer = solve_by(method, system, until=5 * solution.t_final)
+    later = 5 * solution.t_final
+    longer = solve_by(method, system, until=later)
 
     outcome = solution.outcome
     assert solution.final
     assert outcome.unilateral == (0,)  # contacts, of which the joint is none
     assert solution.contacts[1].episodes == ()
-    striker, mass, rod = outcome.velocities_after
-    assert mass == rod
-    assert mass > striker
-    momentum = outcome.masses @ np.array(outcome.velocities_after)
+    velocities = outcome.velocities_after
+    after_striker, after_mass, after_rod = velocities
+    assert after_mass == after_rod
+    assert after_mass > after_striker
+    momentum = outcome.masses @ np.array(velocities)
     assert momentum == pytest.approx(1.0, abs=1e-12)  # that of the striker, 1 kg
-    parting = mass - striker  # the closing velocity was 1 m/s
+    parting = after_mass - after_striker  # the closing velocity was 1 m/s
     assert outcome.restitution == pytest.approx(parting, abs=1e-14)
     assert_last_contact_is_the_same(longer, solution)
     times = np.linspace(solution.t_proved, longer.t_end, 200)
-    assert longer.contacts[0].gap(times).min() > 0
+    gap = longer.contacts[0].gap(times)
+    assert gap.min() > 0
 
 
 def assert_last_contact_is_the_same(longer, solution):
     """No later, but for round-off: the clock of a longer run is another one."""
-    last = longer.outcome.contacts[0].last
-    assert last <= solution.t_final * (1 + 1e-12)
+    first_contact = longer.outcome.contacts[0]
+    assert first_contact.last <= solution.t_final * (1 + 1e-12)
 
 
 @both_methods
@@ -134,14 +145,19 @@ def test_a_row_with_a_joint_is_proved_final_only_after_its_last_contact(method, 
     """The proof counts on how far a joint gives way: what leaves slowly may still be
     caught by the swing of what hangs on the other side.
     """
-    bodies = [unit_rod(velocity=0.99), unit_rod(velocity=1.0), quick_rod(velocity=-0.9)]
-    system = ri.System(bodies, gaps=[0.3, 0.0], contacts=[ri.Rigid(), joint])
+    first = unit_rod(velocity=0.99)
+    second = unit_rod(velocity=1.0)
+    third = quick_rod(velocity=-0.9)
+    laws = [ri.Rigid(), joint]
+    system = ri.System([first, second, third], gaps=[0.3, 0.0], contacts=laws)
 
     solution = solve_by(method, system)
-    longer = solve_by(method, system, until=4 * solution.t_final)
+    later = 4 * solution.t_final
+    longer = solve_by(method, system, until=later)
 
     assert solution.final
-    assert solution.outcome.contacts[0].episodes >= 1  # though the gap widens at first
+    first_contact = solution.outcome.contacts[0]
+    assert first_contact.episodes >= 1  # though the gap widens at first
     assert_last_contact_is_the_same(longer, solution)
 
 
@@ -153,22 +169,22 @@ def sides_of(system, steps):
     units.
     """
     run = grid_run(system, room=steps[-1], step=1 / 64)
-    node = int(run.grid.links["left_node"][-1])
+    left_nodes = run.grid.links["left_node"]
+    node = int(left_nodes[-1])  # of the last contact
     sides = []
     for step in steps:
         run.advance(step)
         state = present_motion(run)
         side = group_at_contact(run, node, right_end=True, state=state)
-        sides.append((side.mean + run.row.frame, side.deviation, side.bound))
+        velocity = side.mean + run.row.frame
+        sides.append((velocity, side.deviation, side.bound))
     return sides
 
 
-RODS_ON_A_MASS = [
-    ri.RigidMass(0.5, velocity=-1.0),
-    quick_rod(velocity=0.2),
-    unit_rod(velocity=0.4),
-]
-RODS_ON_A_WALL = [ri.Wall(), quick_rod(velocity=0.2), unit_rod(velocity=0.4)]
+FIRST_ROD = quick_rod(velocity=0.2)
+SECOND_ROD = unit_rod(velocity=0.4)
+RODS_ON_A_MASS = [ri.RigidMass(0.5, velocity=-1.0), FIRST_ROD, SECOND_ROD]
+RODS_ON_A_WALL = [ri.Wall(), FIRST_ROD, SECOND_ROD]
 SOFT = [ri.Joint(0.02, stretch=0.3), ri.Joint(0.05, damping=0.01)]
 DASHPOTS = [ri.Joint(0.0, damping=0.05), ri.Joint(0.0, damping=0.3)]
 
@@ -184,7 +200,9 @@ def test_an_end_beyond_joints_is_where_the_proof_says_and_stays_within_its_bound
     stretches. By how much a dashpot gives way is bounded, but not stated.
     """
     laws = [*joints, ri.Rigid()]
-    system = ri.System([*bodies, unit_rod()], gaps=[0.0, 0.0, 90.0], contacts=laws)
+    far_rod = unit_rod()
+    row = [*bodies, far_rod]
+    system = ri.System(row, gaps=[0.0, 0.0, 90.0], contacts=laws)
     steps = [0, 64, 320, 640, 1280]  # of 1/64 s
     times = np.array(steps[1:]) / 64
     solution = ri.solve(system, until=20.0, method="finite-difference", dt=1 / 64)
@@ -193,11 +211,13 @@ def test_an_end_beyond_joints_is_where_the_proof_says_and_stays_within_its_bound
     side_at_start, *later_sides = sides_of(system, steps)
 
     V, deviation, bound = side_at_start
-    deviations = displacements - V * times + deviation
+    mean_motion = V * times
+    deviations = displacements - mean_motion + deviation
     largest_deviation = np.abs(deviations).max()
     assert largest_deviation <= bound
     assert largest_deviation > bound / 10  # a bound that says something
-    for later_deviation, side in zip(deviations, later_sides, strict=True):
+    pairs = zip(deviations, later_sides, strict=True)
+    for later_deviation, side in pairs:
         velocity, stated_deviation, later_bound = side
         assert velocity == pytest.approx(V, abs=1e-10)
         assert later_bound <= bound * (1 + 1e-9)
@@ -212,17 +232,22 @@ def test_an_end_beyond_joints_is_where_the_proof_says_and_stays_within_its_bound
 @both_methods
 def test_a_compressed_joint_sets_a_row_at_rest_in_motion(method):
     """So far that the second rod strikes the third."""
+    bodies = [unit_rod(), unit_rod(), unit_rod()]
+    compressed = ri.Joint(2.0, stretch=-0.1)
     system = ri.System(
-        [unit_rod(), unit_rod(), unit_rod()],
+        bodies,
         gaps=[0.0, 0.02],
-        contacts=[ri.Joint(2.0, stretch=-0.1), ri.Rigid()],
+        contacts=[compressed, ri.Rigid()],
         ends=(ri.Fixed(), ri.Free()),
     )
 
-    outcome = solve_by(method, system, max_events=20_000).outcome
+    solution = solve_by(method, system, max_events=20_000)
 
-    assert outcome.contacts[1].episodes >= 1
-    assert outcome.velocities_after[2] > 0
+    outcome = solution.outcome
+    rigid_contact = outcome.contacts[1]
+    assert rigid_contact.episodes >= 1
+    *_, velocity_of_third = outcome.velocities_after
+    assert velocity_of_third > 0
 
 
 @both_methods
@@ -232,9 +257,11 @@ def test_a_stretched_joint_holds_prestressed_rods_at_rest(method):
     unit_strain = tension  # E = 1 Pa, A = 1 m^2
     quick_strain = tension / (QUICK.youngs_modulus * 0.7)
     stiffness = 5.0
+    stretch = tension / stiffness
     rods = [unit_rod(strain=unit_strain), quick_rod(strain=quick_strain)]
-    joint = ri.Joint(stiffness, damping=0.4, stretch=tension / stiffness)
-    system = ri.System(rods, contacts=[joint], ends=(ri.Fixed(), ri.Fixed()))
+    joint = ri.Joint(stiffness, damping=0.4, stretch=stretch)
+    fixed_ends = (ri.Fixed(), ri.Fixed())
+    system = ri.System(rods, contacts=[joint], ends=fixed_ends)
 
     solution = solve_by(method, system, until=3.0)
 
@@ -244,37 +271,45 @@ def test_a_stretched_joint_holds_prestressed_rods_at_rest(method):
     velocity = solution.velocity(0, 0.7, times)
     assert np.abs(velocity).max() < 1e-14
     stored = tension**2 / (2 * stiffness)
-    assert solution.outcome.contact_energy_before == pytest.approx(stored)
+    stored_before = solution.outcome.contact_energy_before
+    assert stored_before == pytest.approx(stored)
 
 
 def distance_at_joint(solution):
     """Distance of the two ends at the joint at the end of the run, m."""
-    left = solution.position(0, 1.0, solution.t_end)
-    right = solution.position(1, 0.0, solution.t_end)
+    end = solution.t_end
+    left = solution.position(0, 1.0, end)
+    right = solution.position(1, 0.0, end)
     return right - left
 
 
 def test_a_state_goes_on_with_its_stretch():
     """Of the joint, so that its rods have no gap and the right distance."""
-    rods = [unit_rod(velocity=1.0), quick_rod()]
-    system = ri.System(rods, contacts=[ri.Joint(3.0, damping=0.4)])
+    striker = unit_rod(velocity=1.0)
+    joint = ri.Joint(3.0, damping=0.4)
+    system = ri.System([striker, quick_rod()], contacts=[joint])
     whole = solve_by("characteristics", system, until=4.0)
-    joint = whole.contacts[0]
+    whole_joint = whole.contacts[0]
 
-    second_part = solve_by("characteristics", whole.system_at(1.5), until=2.5)
+    state = whole.system_at(1.5)
+    second_part = solve_by("characteristics", state, until=2.5)
 
-    assert second_part.system.gaps == (0.0,)
-    stretch = second_part.system.contacts[0].stretch
-    assert stretch == float(joint.gap(1.5))
+    assert state.gaps == (0.0,)
+    (continued_joint,) = state.contacts
+    stretch = continued_joint.stretch
+    assert stretch == float(whole_joint.gap(1.5))
     assert stretch != 0
     # Jumps of the state became straight lines over two samples: gaps change a little.
     rounding = 2e-6  # m
     times = np.linspace(0, 2.5, 40)
     gap = second_part.contacts[0].gap(times)
-    assert gap == pytest.approx(joint.gap(1.5 + times), abs=rounding)
-    at_end = joint.gap(4.0)
-    assert distance_at_joint(whole) == pytest.approx(at_end, abs=rounding)
-    assert distance_at_joint(second_part) == pytest.approx(at_end, abs=rounding)
+    expected = whole_joint.gap(1.5 + times)
+    assert gap == pytest.approx(expected, abs=rounding)
+    at_end = whole_joint.gap(4.0)
+    distance = distance_at_joint(second_part)
+    distance_of_whole = distance_at_joint(whole)
+    assert distance == pytest.approx(at_end, abs=rounding)
+    assert distance_of_whole == pytest.approx(at_end, abs=rounding)
 
 
 def test_ever_stiffer_joints_come_to_a_bond():
@@ -282,9 +317,11 @@ def test_ever_stiffer_joints_come_to_a_bond():
 
     def restitution_with(law):
         """Restitution of a rod that strikes two rods which the law joins."""
-        bodies = [unit_rod(velocity=1.0), unit_rod(0.5), quick_rod()]
+        striker = unit_rod(velocity=1.0)
+        bodies = [striker, unit_rod(0.5), quick_rod()]
         system = ri.System(bodies, contacts=[ri.Rigid(), law])
-        return ri.solve(system, method="characteristics").outcome.restitution
+        solution = ri.solve(system, method="characteristics")
+        return solution.outcome.restitution
 
     bonded = restitution_with(ri.Bonded())
     stiff = restitution_with(ri.Joint(1e3))
@@ -292,7 +329,8 @@ def test_ever_stiffer_joints_come_to_a_bond():
 
     error = abs(stiffer - bonded)
     assert error < 1e-3
-    assert error < abs(stiff - bonded) / 10
+    error_of_softer_joint = abs(stiff - bonded)
+    assert error < error_of_softer_joint / 10
 
 
 PAIR = [unit_rod(), unit_rod()]

@@ -11,8 +11,8 @@ from importlib import import_module
 from pathlib import Path
 from types import SimpleNamespace
 
-import numpy as np
 import pytest
+from numpy.random import default_rng
 from runs import bits_of, tracked
 from systems import horizon, random_system
 
@@ -51,7 +51,7 @@ def test_numbers_that_are_no_such_ratio_are_not_recognised(x):
 
 
 def test_ticks_do_not_depend_on_the_order_of_durations():
-    rng = np.random.default_rng(3)
+    rng = default_rng(3)
     durations = [*rng.uniform(0.1, 1, 5), *(rng.integers(1, 9, 6) / 7)]
 
     def ticks_by_duration(ordered):
@@ -65,7 +65,7 @@ def test_ticks_do_not_depend_on_the_order_of_durations():
 
 
 def test_rounding_is_about_half_a_tick_at_most_where_ratios_are_unknown():
-    rng = np.random.default_rng(5)
+    rng = default_rng(5)
     durations = [*rng.uniform(0.01, 1, 20), *rng.uniform(1e-5, 1e-3, 20)]
     ticks, ticks_of_longest = ticks_of(durations)
     ticks_per_second = Fraction(ticks_of_longest) / Fraction(max(durations))

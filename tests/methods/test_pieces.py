@@ -8,6 +8,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from numpy.polynomial import chebyshev, legendre
+from numpy.random import default_rng
 
 from rodimpact.methods import contact_laws, record_lists
 from rodimpact.methods.link import Law
@@ -31,7 +32,7 @@ X = np.array(series.X)  # points of a piece, from -1 to 1
 
 def random_series(seed, n=POINTS):
     """Random Chebyshev coefficients [n]."""
-    return np.random.default_rng(seed).normal(size=n)
+    return default_rng(seed).normal(size=n)
 
 
 def record_with(record, **fields):
@@ -173,7 +174,7 @@ def test_the_error_of_a_polynomial_is_estimated_where_it_is(fall, seed):
 @pytest.mark.parametrize(("n", "band"), [(8, 24), (24, 8), (40, 3), (5, 1)])
 def test_elimination_solves_banded_equations_as_numpy_does(n, band):
     """Of n unknowns; coefficients `band` or more off the diagonal are 0."""
-    rng = np.random.default_rng(n)
+    rng = default_rng(n)
     numbers = np.arange(n)
     off_diagonal = np.abs(numbers[:, None] - numbers)
     A = rng.normal(size=(n, n)) * (off_diagonal < band)

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from exhaustive import few_of
 from networks import unit_rod
+from numpy.random import default_rng
 
 import rodimpact as ri
 
@@ -100,7 +101,7 @@ def test_a_driven_rod_moves_as_dalembert_says(case):
 
     solution = ri.solve(system, until=UNTIL, method="characteristics")
 
-    rng = np.random.default_rng(1)
+    rng = default_rng(1)
     x = rng.uniform(0, 1, 200)
     t = rng.uniform(0, UNTIL, 200)
     away = wave_sent(kind, far, profile, t - x, Z)

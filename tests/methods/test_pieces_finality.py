@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from exhaustive import few_of
 from networks import UNIT, unit_rod
+from numpy.random import default_rng
 
 import rodimpact as ri
 from rodimpact.methods import record_lists
@@ -60,7 +61,7 @@ def test_the_ends_of_a_group_deviate_within_their_bounds(seed):
     """Both ends of a stepped rod, or of one with a mass on a joint, for some
     transits.
     """
-    rng = np.random.default_rng(seed)
+    rng = default_rng(seed)
     rod = stepped_rod(rng, velocity=0.2)
     right_end = (0, rod.length)  # body, and material coordinate
     system = ri.System([rod])
@@ -118,7 +119,7 @@ def test_a_mass_on_a_dashpot_deviates_within_its_bound(damping):
 @pytest.mark.parametrize("seed", few_of(range(12), range(2)))
 @pytest.mark.parametrize("law", [ri.Hertz(20.0), ri.SpringDashpot(20.0, damping=0.5)])
 def test_a_run_three_times_as_long_as_a_final_one_has_the_same_contacts(seed, law):
-    rng = np.random.default_rng(seed)
+    rng = default_rng(seed)
     bodies = [
         stepped_rod(rng, velocity=1.0, n=1),
         ri.RigidMass(0.5),
@@ -140,7 +141,7 @@ def test_a_run_three_times_as_long_as_a_final_one_has_the_same_contacts(seed, la
 
 def test_the_energy_about_the_mean_is_that_of_the_ledger():
     """Of a group of one rod it is the energy of vibration."""
-    rng = np.random.default_rng(3)
+    rng = default_rng(3)
     system = ri.System([stepped_rod(rng, velocity=0.4)])
     solution = ri.solve(system, until=1.0, method="characteristics")
     vibration = float(solution.energy(0.0).vibration)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from exhaustive import few_of
 from networks import random_network, unit_rod
+from numpy.random import default_rng
 
 import rodimpact as ri
 from rodimpact.methods import kernels
@@ -156,7 +157,7 @@ def test_random_rows_are_near_those_of_finite_differences_and_keep_their_energy(
 @pytest.mark.exhaustive
 def test_waves_that_are_smoothed_keep_the_momentum_of_each_rod():
     """It changes by what the two contacts of the rod give it."""
-    rng = np.random.default_rng(22)
+    rng = default_rng(22)
     lengths = rng.uniform(0.11, 1.3, 4)
     areas = rng.uniform(0.3, 2.0, 4)
     velocities = (1.0, 0.2, -0.1, -0.7)

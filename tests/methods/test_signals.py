@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from numpy.polynomial import Chebyshev
+from numpy.random import default_rng
 from scipy.integrate import quad
 
 from rodimpact.methods.signals import LINE_RTOL, Pieces
@@ -89,7 +90,7 @@ def random_pieces(seed, size=9, count=6):
     There are `count` pieces with `size` coefficients each. The polynomials are of the
     ticks since LATE.
     """
-    rng = np.random.default_rng(seed)
+    rng = default_rng(seed)
     durations = rng.integers(3, 1 << 30, count)
     times = np.concatenate(([0], np.cumsum(durations)))
     decay = (1 + np.arange(size)) ** 2  # high degrees matter less, as in smooth signals
@@ -130,7 +131,7 @@ def integrated(function, start, stop, breaks):
 @pytest.mark.parametrize("seed", range(3))
 def test_values_of_polynomials_are_those_of_numpy(seed):
     signal, polynomials = random_pieces(seed)
-    rng = np.random.default_rng(seed)
+    rng = default_rng(seed)
     ticks = rng.integers(signal.ticks[0] - 1000, signal.end + 1000, 50)  # outside, too
     expected = [exact_value(polynomials, float(t - LATE)) for t in ticks]
     assert signal.at(ticks) == pytest.approx(expected, abs=1e-13)
@@ -192,7 +193,7 @@ def test_integrals_of_polynomials_and_of_their_products_are_those_of_scipy(seed)
 def test_difference_product_delay_sum_and_multiple_have_their_values(size):
     f, _ = random_pieces(1, size=size)
     g, _ = random_pieces(2, count=3)  # with other breaks and another degree
-    ticks = np.random.default_rng(3).integers(f.ticks[0], min(f.end, g.end), 40)
+    ticks = default_rng(3).integers(f.ticks[0], min(f.end, g.end), 40)
     of_f = f.at(ticks)
     of_g = g.at(ticks)
 
@@ -215,7 +216,7 @@ def test_a_part_of_a_signal_has_its_values(size):
     part = signal.within(start, stop)
 
     assert len(part.ticks) < len(signal.ticks)
-    ticks = np.random.default_rng(3).integers(start, stop + 1, 40)
+    ticks = default_rng(3).integers(start, stop + 1, 40)
     assert np.array_equal(part.at(ticks), signal.at(ticks))
 
 
@@ -223,7 +224,7 @@ def test_straight_lines_between_marks_follow_a_signal():
     signal, _ = random_pieces(5)
     marks = signal.marks
     at_marks = signal.at(marks)
-    ticks = np.random.default_rng(5).integers(signal.ticks[0], signal.end, 2000)
+    ticks = default_rng(5).integers(signal.ticks[0], signal.end, 2000)
 
     # Ticks as late as these are subtracted as integers: floats would round them.
     times = (ticks - LATE).astype(float)

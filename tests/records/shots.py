@@ -9,6 +9,7 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
+from numpy.random import default_rng
 
 import rodimpact as ri
 
@@ -32,7 +33,7 @@ def noisy_gauge(record, distance, noise, seed, dt):
     times `PULSE_STRAIN`; `dt` is its interval, s.
     """
     clean = record.signal(dt).extended(before=1e-4)
-    rng = np.random.default_rng(seed)
+    rng = default_rng(seed)
     white = rng.standard_normal(len(clean))
     noisy = clean.values + noise * PULSE_STRAIN * white
     return ri.BarGauge(clean.replace(values=noisy), distance)

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from exhaustive import few_of
+from numpy.random import default_rng
 
 import rodimpact as ri
 
@@ -37,7 +38,7 @@ def record(distance, bar, noise=0.0, seed=0, factor=1.0):
     shape = np.clip(np.minimum(up, down), 0, 1)
     passing = ri.Signal(shape, TIMES).propagated(distance, bar)
     values = factor * np.interp(TIMES, passing.times, passing.values)
-    rng = np.random.default_rng(seed)
+    rng = default_rng(seed)
     white = rng.standard_normal(len(TIMES))
     return ri.Signal(values + noise * white, TIMES)
 

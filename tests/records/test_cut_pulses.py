@@ -5,6 +5,7 @@ pulse.
 import numpy as np
 import pytest
 from exhaustive import few_of
+from numpy.random import default_rng
 from records import shots
 from records.shots import BAR, SPECIMEN
 
@@ -189,7 +190,7 @@ def ramp_record(rest, rise, end):
     up = (times - rest) / rise
     down = (fall_end - times) / rise
     level = np.clip(np.minimum(up, down), 0, 1)
-    rng = np.random.default_rng(0)
+    rng = default_rng(0)
     noise = 1e-6 * rng.standard_normal(len(times))
     return ri.Signal(-1e-3 * level + noise, times)
 

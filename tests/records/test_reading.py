@@ -7,6 +7,7 @@ import tracemalloc
 
 import numpy as np
 import pytest
+from numpy.random import default_rng
 
 import rodimpact as ri
 from rodimpact.methods import memory
@@ -386,7 +387,7 @@ def test_memory_is_bounded_by_four_times_the_file(
     path = tmp_path / "shot.csv"
     path.write_text("time_s,a\n0,1\n1,2\n")
     ri.read_signals(path)  # all modules are imported before memory is measured
-    rng = np.random.default_rng(0)
+    rng = default_rng(0)
     numbers = rng.integers(10 ** (digits - 1), 10**digits, 20_000).tolist()
     rows = [f"{i},{number}" for i, number in enumerate(numbers)]
     if wrong_end:
@@ -416,7 +417,7 @@ def test_a_large_table_takes_up_to_four_times_its_size_and_reports_progress(
     read, tmp_path
 ):
     read("time_s,a\n0,1\n1,2\n")  # all modules are imported before memory is measured
-    a, b = np.random.default_rng(0).normal(size=(2, 60_000)).round(7).tolist()
+    a, b = default_rng(0).normal(size=(2, 60_000)).round(7).tolist()
     lines = ["time_s,a_V,b_V\n"]
     for i in range(60_000):
         lines.append(f"{i}e-7,{a[i]},{b[i]}\n")

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from exhaustive import few_of
 from mistakes import problems
+from numpy.random import default_rng
 from records import shots
 
 import rodimpact as ri
@@ -110,7 +111,7 @@ class Shot:
             largest = self.incident.max()
         times = np.arange(-6e-5, 5.6e-4, dt)
         clean = np.interp(times, self.times, strain)
-        white = np.random.default_rng(seed).standard_normal(len(times))
+        white = default_rng(seed).standard_normal(len(times))
         noisy = clean + noise * largest * white
         return ri.BarGauge(ri.Signal(sign * noisy, times), distance)
 
@@ -609,7 +610,7 @@ def gauges_without_specimen(speed=9.0, gains=(1.0, 1.0), noise=0.0, wave_speed=S
     plateau = speed / 2 / wave_speed  # strain
     pulse = ri.Signal(plateau * level, times)
     noise_level = noise * pulse.values.max()
-    rng = np.random.default_rng(3)
+    rng = default_rng(3)
     gauges = []
     for paths, gain in zip((INPUT_PATHS, OUTPUT_PATHS), gains, strict=True):
         strain = np.zeros(len(times))
@@ -1097,7 +1098,7 @@ def test_noise_of_a_soft_specimen_is_not_doubted():
     soft = ri.Yielding(stiffness=1e8, yield_force=800.0, hardening=1e5)
     row = ri.System([striker, bar, bar], contacts=[ri.Rigid(), soft])
     run = ri.solve(row, until=6e-4)
-    rng = np.random.default_rng(1)
+    rng = default_rng(1)
     gauges = []
     for body, noise in ((1, 1e-5), (2, 1e-6)):
         clean = run.gauge(body, 0.75).signal(1e-6).extended(before=5e-5)

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 from exhaustive import few_of
+from numpy.random import default_rng
 
 import rodimpact as ri
 
@@ -134,7 +135,7 @@ def test_the_width_of_a_pulse_is_found_in_noise():
 
 @pytest.mark.parametrize("seed", few_of(range(200), range(12)))
 def test_a_shift_is_found_wherever_a_window_lies_or_ends_at_its_limit(seed):
-    rng = np.random.default_rng(seed)
+    rng = default_rng(seed)
     gaps = rng.uniform(2e-6, 2e-5, 40)
     heights = rng.uniform(-1, 1, 40)
     record = ri.Signal(heights, np.cumsum(gaps)).resampled(1e-7)
@@ -541,7 +542,7 @@ def test_mistakes_are_refused(call, said):
 
 # Several signals in one table or Dataset, and back
 
-RNG = np.random.default_rng(5)
+RNG = default_rng(5)
 T = np.cumsum(RNG.uniform(0.99e-7, 1.01e-7, 500)) - 2e-5
 UNITS = {
     "bar 1 (mV)": "V",
