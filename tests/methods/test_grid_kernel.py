@@ -30,7 +30,8 @@ SEEDS = st.integers(0, 10**6)
 
 def bits(run):
     """Bytes of each array of the state and of the history, by its name."""
-    arrays = run.grid._asdict() | run.history._asdict()
+    arrays = run.grid._asdict()
+    arrays |= run.history._asdict()
     del arrays["run"]  # it says where the run was stopped and continued
     return {name: array.tobytes() for name, array in arrays.items()}
 
@@ -40,7 +41,9 @@ def run_and_prove(system, compiling):
     with kernels.forced(compiling):
         run = grid_run(system, room=48)
         run.advance(48)
-        return bits(run), finality_time(run)
+        state = bits(run)
+        proof_time = finality_time(run)
+    return state, proof_time
 
 
 # One source, the same bits
@@ -51,7 +54,8 @@ def run_and_prove(system, compiling):
 @pytest.mark.parametrize("seeds", few_of([range(10), range(10, 25)], [range(10)]))
 def test_compiled_and_plain_runs_and_proofs_are_bit_identical(seeds):
     for seed in seeds:
-        system = random_row(seed, driven=seed % 2 == 1)
+        driven = seed % 2 == 1
+        system = random_row(seed, driven=driven)
         plain_bits, plain_time = run_and_prove(system, compiling=False)
         compiled_bits, compiled_time = run_and_prove(system, compiling=True)
         assert plain_bits == compiled_bits, seed
@@ -66,7 +70,8 @@ def test_a_run_in_pieces_is_the_whole_run(driven):
         whole.advance(100)
 
         in_pieces = grid_run(system, room=100)
-        lengths = default_rng(seed).choice(np.arange(1, 100), 5)
+        rng = default_rng(seed)
+        lengths = rng.choice(np.arange(1, 100), 5)
         pauses = lengths.cumsum()  # steps at which the run is stopped
         for pause in pauses[pauses < 100]:
             in_pieces.advance(int(pause))
@@ -88,7 +93,8 @@ def tridiagonal(diagonal, coupling, is_held):
     for i in range(1, n):
         matrix[i, i - 1] = -coupling[i]
         matrix[i - 1, i] = -coupling[i]
-    matrix[is_held == 1] = np.eye(n)[is_held == 1]
+    identity = np.eye(n)
+    matrix[is_held == 1] = identity[is_held == 1]
     return matrix
 
 
@@ -102,7 +108,8 @@ def test_elimination_solves_as_dense_matrices_do(seed, nodes, held_left, held_ri
     coupling = rng.uniform(0.01, 100, n + 1)
     coupling[: first + 1] = 0.0  # nodes before and after are pieces by themselves
     coupling[last + 1 :] = 0.0
-    diagonal = rng.uniform(0.1, 10, n) + coupling[:-1] + coupling[1:]
+    own = rng.uniform(0.1, 10, n)  # of each node
+    diagonal = own + coupling[:-1] + coupling[1:]
     is_held = np.zeros(n, int)
     is_held[first] = held_left
     is_held[last] = held_right
@@ -113,7 +120,8 @@ def test_elimination_solves_as_dense_matrices_do(seed, nodes, held_left, held_ri
     solution = right_side.copy()
     elimination.substitute(*factors, solution)
 
-    expected = np.linalg.solve(tridiagonal(diagonal, coupling, is_held), right_side)
+    matrix = tridiagonal(diagonal, coupling, is_held)
+    expected = np.linalg.solve(matrix, right_side)
     assert solution == pytest.approx(expected, rel=1e-10, abs=1e-12)
     nodes_after = slice(last + 1, n)  # each of them is alone
     alone = right_side[nodes_after] / diagonal[nodes_after]
@@ -141,6 +149,11 @@ def chain_of_links():
     return record_lists.as_objects(records)
 
 
+def forces_of(links):
+    """Force of each link, N."""
+    return [link.force for link in links]
+
+
 def test_newton_solves_a_chain_of_stiff_links_in_few_sweeps(monkeypatch):
     """Link after link, forces would spread by one body a sweep, and settle after
     hundreds.
@@ -157,14 +170,17 @@ def test_newton_solves_a_chain_of_stiff_links_in_few_sweeps(monkeypatch):
 
     monkeypatch.setattr(contacts, "gauss_seidel_sweep", count_and_sweep)
 
-    assert contacts.solve_chain(links, 0, 11, 1.0)
+    has_converged = contacts.solve_chain(links, 0, 11, 1.0)
+
+    assert has_converged
 
     # The closing without forces, 0.1, less what the forces take, leaves F = k w/2.
     neighbours = np.eye(12, k=1) + np.eye(12, k=-1)
     mobility = np.eye(12) - 0.49 * neighbours
     compliance = 2 / 1e4 * np.eye(12)
-    force = np.linalg.solve(mobility + compliance, np.full(12, 0.1))
-    assert [link.force for link in links] == pytest.approx(force, rel=1e-12)
+    closing = np.full(12, 0.1)
+    expected = np.linalg.solve(mobility + compliance, closing)
+    assert forces_of(links) == pytest.approx(expected, rel=1e-12)
     assert n_sweeps <= 6
 
 
@@ -176,16 +192,17 @@ def test_no_newton_step_follows_the_last_sweep_of_a_chain(monkeypatch):
 
     def sweep_and_keep(*arguments):
         changes = sweep(*arguments)
-        forces_of_sweeps.append([link.force for link in links])
+        forces_of_sweeps.append(forces_of(links))
         return changes
 
     monkeypatch.setattr(contacts, "gauss_seidel_sweep", sweep_and_keep)
     monkeypatch.setattr(contacts, "MAX_SWEEPS", 1)
 
-    assert not contacts.solve_chain(links, 0, 11, 1.0)
+    has_converged = contacts.solve_chain(links, 0, 11, 1.0)
 
+    assert not has_converged
     (forces_of_last_sweep,) = forces_of_sweeps
-    assert [link.force for link in links] == forces_of_last_sweep
+    assert forces_of(links) == forces_of_last_sweep
 
 
 # A step against dense matrices
@@ -218,17 +235,22 @@ def dense_run(mesh, step, v, force, radial, steps, push):
     outer = np.zeros(2 * n - 1)
     outer[0] = push[0]
     outer[n - 1] = -push[1]
-    left_side = (M / step + damping / 2)[np.ix_(free, free)]
+    mean_matrix = M / step + damping / 2
+    left_side = mean_matrix[np.ix_(free, free)]
     stretch = (force - b * radial) / k
-    x = np.concatenate(([0.0], np.cumsum(stretch), radial))
-    rate = np.append(v, np.zeros(n - 1))
+    displacement = np.append(0.0, np.cumsum(stretch))  # of the nodes
+    x = np.append(displacement, radial)
+    radial_rate = np.zeros(n - 1)
+    rate = np.append(v, radial_rate)
     for _ in range(steps):
         x += step * rate / 2  # in the middle of the step
         right_side = outer - K @ x - damping @ rate
-        rate[free] += np.linalg.solve(left_side, right_side[free])
+        change = np.linalg.solve(left_side, right_side[free])
+        rate[free] += change
         x += step * rate / 2
     strain = x[n:]
-    return rate[:n], k * np.diff(x[:n]) + b * strain, strain
+    cell_force = k * np.diff(x[:n]) + b * strain
+    return rate[:n], cell_force, strain
 
 
 def unit_density(E):
@@ -242,10 +264,13 @@ def random_stepped_rod(seed):
     """
     rng = default_rng(seed)
     soft = unit_density(1.0)
+    stiff = unit_density(2.0)
     first = ri.Segment(0.5, area=1.0, material=soft)
-    second = ri.Segment(0.4, area=3.0, material=unit_density(2.0))
+    second = ri.Segment(0.4, area=3.0, material=stiff)
     third = ri.Segment(0.6, area=0.7, material=soft)
-    segments = [thicken(rng, segment) for segment in (first, second, third)]
+    segments = []
+    for segment in (first, second, third):
+        segments.append(thicken(rng, segment))
     if seed == 0:
         segments = [first]
     velocity = ri.Samples([1.0, -1.0, 0.5])
@@ -267,9 +292,11 @@ def test_40_steps_are_those_of_a_leapfrog_with_dense_matrices(seed, kind):
     bodies = [random_stepped_rod(seed)]
     laws = []
     if kind == "pushed" and seed % 2 == 1:
-        bodies.append(ri.RigidMass(0.8, velocity=0.4))
+        mass = ri.RigidMass(0.8, velocity=0.4)
+        bodies.append(mass)
         laws.append(ri.Bonded())
-    run = grid_run(ri.System(bodies, contacts=laws, ends=ends), room=40)
+    system = ri.System(bodies, contacts=laws, ends=ends)
+    run = grid_run(system, room=40)
 
     run.advance(40)
 
@@ -279,7 +306,8 @@ def test_40_steps_are_those_of_a_leapfrog_with_dense_matrices(seed, kind):
     radial = np.zeros_like(force)
     if run.mesh.has_radial_strain:
         radial = run.step * run.history.radial[:, 1:n]
-    v, F, q = dense_run(run.mesh, run.step, velocity[0], force[0], radial[0], 40, push)
+    start = (velocity[0], force[0], radial[0])
+    v, F, q = dense_run(run.mesh, run.step, *start, steps=40, push=push)
     assert velocity[-1] == pytest.approx(v, abs=1e-12)
     assert force[-1] == pytest.approx(F, abs=1e-12)
     assert radial[-1] == pytest.approx(q, abs=1e-12)
@@ -293,7 +321,8 @@ def moving_mass(mesh):
     """Mass that moves with each node, kg; half cells on a driven end move with it."""
     mass = mesh.mass * (mesh.is_prescribed == 0)
     for node in np.flatnonzero(mesh.is_prescribed):
-        mass[node] = (mesh.cell_mass[node] + mesh.cell_mass[node + 1]) / 2
+        masses_of_cells = mesh.cell_mass[node] + mesh.cell_mass[node + 1]
+        mass[node] = masses_of_cells / 2
     return mass
 
 
@@ -307,15 +336,19 @@ def energy_of_bodies(run):
     mesh = run.mesh
     states = run.history
     h = run.step
-    fall = run.row.system.gravity * h * states.when[:, None]
+    time = h * states.when[:, None]
+    fall = run.row.system.gravity * time
     v = states.velocity + run.row.frame + fall  # [state, node]
     inside = mesh.stiffness[1:-1] > 0  # cells of bodies, not those between pieces
     k = mesh.stiffness[1:-1][inside]
     lateral = mesh.lateral_inertia[1:-1][inside]
     rate = np.diff(v, axis=1)[:, inside]  # [state, cell]
     force = states.force[:, 1:-1][:, inside]
-    kinetic = v * v @ moving_mass(mesh) / 2 + rate**2 @ (lateral - k * h * h / 4) / 2
-    total = kinetic + force**2 @ (1 / k) / 2
+    of_nodes = v * v @ moving_mass(mesh) / 2
+    of_cells = rate**2 @ (lateral - k * h * h / 4) / 2
+    kinetic = of_nodes + of_cells
+    elastic = force**2 @ (1 / k) / 2
+    total = kinetic + elastic
     if mesh.has_radial_strain:
         total += energy_of_radial_strain(run, inside, k, rate)
     return total
@@ -334,12 +367,16 @@ def energy_of_radial_strain(run, inside, k, rate):
     q = h * run.history.radial[:, 1:-1]  # radial strain, and its rate [state, cell]
     p = run.history.radial_rate[:, 1:-1]
     shear = mesh.shear_stiffness[1:-1]
-    total = np.diff(q, axis=1) ** 2 @ shear / 2
-    total -= np.diff(h * p / 2, axis=1) ** 2 @ shear / 2
+    shear_strain = np.diff(q, axis=1)
+    change_in_half_step = np.diff(h * p / 2, axis=1)
+    total = shear_strain**2 @ shear / 2
+    total -= change_in_half_step**2 @ shear / 2
     q = q[:, inside]
     p = p[:, inside]
-    total += q * q @ (G - b * b / k) / 2 + p * p @ (J - h * h / 4 * G) / 2
-    return total - h * h / 4 * (rate * p) @ b
+    total += q * q @ (G - b * b / k) / 2
+    total += p * p @ (J - h * h / 4 * G) / 2
+    coupled = (rate * p) @ b
+    return total - h * h / 4 * coupled
 
 
 def energy_of_contacts(run):
@@ -362,12 +399,15 @@ def test_energies_at_every_state_are_those_that_leapfrog_keeps(seed, driven):
     run = run_row(system, until=1.5)
     times = run.history.when * run.step
 
-    energy = solution_of(run, until=1.5).energy(times)
+    solution = solution_of(run, until=1.5)
+    energy = solution.energy(times)
 
-    scale = energy.total.max() + np.abs(energy.drive_work).max()
+    largest_work = np.abs(energy.drive_work).max()
+    scale = energy.total.max() + largest_work
     round_off = 1e-11 * scale
     in_bodies = energy.kinetic + energy.vibration
-    assert in_bodies == pytest.approx(energy_of_bodies(run), rel=0, abs=round_off)
+    expected = energy_of_bodies(run)
+    assert in_bodies == pytest.approx(expected, rel=0, abs=round_off)
     in_contacts = energy_of_contacts(run)
     assert energy.contact == pytest.approx(in_contacts, rel=0, abs=round_off)
 
@@ -391,11 +431,13 @@ def test_what_stops_no_more_than_the_tolerance_is_no_force(
     """A contact without rebound takes half of the closing velocity, 1, as it shuts at
     the kick.
     """
-    system = ri.System(
-        [*pair, unit_rod()], gaps=[STEP / 2, 10.0], contacts=[law, ri.Rigid()]
-    )
+    far_rod = unit_rod()
+    bodies = [*pair, far_rod]
+    laws = [law, ri.Rigid()]
+    system = ri.System(bodies, gaps=[STEP / 2, 10.0], contacts=laws)
     run = grid_run(system, room=1)
-    mobility = float(run.grid.links["self_mobility"][0])
+    mobilities = run.grid.links["self_mobility"]
+    mobility = float(mobilities[0])
     taken_away = 0.5 / mobility * mobility  # as the kernel rounds it
     run.grid.run["velocity_tolerance"] = taken_away * factor
 
@@ -411,7 +453,9 @@ def test_a_gap_closes_at_its_time_but_not_before_the_first_kick(share):
     `share` of this step. From then on the force of equal bars is Z v/2.
     """
     bars = [unit_rod(velocity=1.0), unit_rod(1.3)]
-    run = grid_run(ri.System(bars, gaps=[share * STEP]), room=20)
+    gap = share * STEP
+    system = ri.System(bars, gaps=[gap])
+    run = grid_run(system, room=20)
 
     run.advance(20)
 
@@ -426,13 +470,14 @@ def test_a_gap_closes_at_its_time_but_not_before_the_first_kick(share):
 def test_a_mass_squeezed_between_walls_stops_the_run():
     """A rod whose end is nailed down from within is the second wall."""
     laws = [ri.Rigid(restitution=0.5), ri.Rigid()]
-    system = ri.System(
-        [ri.Wall(0.5), ri.RigidMass(1.0), unit_rod()], gaps=[0.1, 0.1], contacts=laws
-    )
+    bodies = [ri.Wall(0.5), ri.RigidMass(1.0), unit_rod()]
+    system = ri.System(bodies, gaps=[0.1, 0.1], contacts=laws)
     run = grid_run(system, room=50)
     # No force changes the velocity of the rod's first node, behind that of the mass.
-    rod_node = int(run.grid.links["left_node"][0]) + 2
-    run.grid.links["self_mobility"][1] -= run.grid.velocity_by_first[rod_node] / 2
+    left_nodes = run.grid.links["left_node"]
+    mobilities = run.grid.links["self_mobility"]
+    rod_node = int(left_nodes[0]) + 2
+    mobilities[1] -= run.grid.velocity_by_first[rod_node] / 2
     run.grid.velocity_by_first[rod_node] = 0.0
     paths = refused(r"two walls squeeze .* at 0\.\d+ s; give", run.advance, 50)
     assert paths == ["contacts"]
@@ -458,22 +503,24 @@ def random_far_end(seed):
         segments = [thicken(rng, segment) for segment in segments]
     velocities = rng.uniform(-1, 1, 5)
     strains = rng.uniform(-0.3, 0.3, 3)
-    rod = ri.Rod(
-        segments=segments,
-        velocity=ri.Samples(velocities.tolist()),
-        strain=ri.Samples([0.0, *strains, 0.0]),
-    )
+    velocity = ri.Samples(velocities.tolist())
+    strain = ri.Samples([0.0, *strains, 0.0])
+    rod = ri.Rod(segments=segments, velocity=velocity, strain=strain)
     kinds_of_end = (ri.Free(), ri.Fixed(), ri.Absorbing())
-    end = kinds_of_end[seed % 2 + (seed > 9)]
+    kind = seed % 2 + (seed > 9)
+    end = kinds_of_end[kind]
     bodies = [rod, unit_rod()]
     gaps = [90.0]
     laws = [ri.Rigid()]
     if seed % 2 == 0 and seed < 10:
-        mass = ri.RigidMass(2.0, velocity=float(rod.velocity.values[0]))
+        velocity_of_end = float(rod.velocity.values[0])
+        mass = ri.RigidMass(2.0, velocity=velocity_of_end)
         bodies.insert(0, mass)
         gaps.insert(0, 0.0)
         laws.insert(0, ri.Bonded())
-    return ri.System(bodies, gaps=gaps, contacts=laws, ends=(end, ri.Free())), rod
+    ends = (end, ri.Free())
+    system = ri.System(bodies, gaps=gaps, contacts=laws, ends=ends)
+    return system, rod
 
 
 @pytest.mark.parametrize("mirrored", [False, True])
@@ -488,12 +535,14 @@ def test_an_end_is_where_the_proof_says_and_stays_within_its_bound(seed, mirrore
     x = 1.5  # length of the rod
     if mirrored:
         system = system.mirrored()
-        body = len(system.bodies) - 1 - body
+        body = len(system.bodies) - 1 - body  # counted from the other side
         x = 0.0
-    solution = solution_of(run_row(system, until=400 * STEP))
+    reference_run = run_row(system, until=400 * STEP)
+    solution = solution_of(reference_run)
     at_start = solution.displacement(body, x, 0.0)
     run = grid_run(system, room=400)
-    left_node, right_node = next(iter(run.mesh.touching.values()))
+    touching = run.mesh.touching.values()
+    left_node, right_node = next(iter(touching))
     node = left_node if right_end else right_node
 
     run.advance(0)
@@ -506,8 +555,10 @@ def test_an_end_is_where_the_proof_says_and_stays_within_its_bound(seed, mirrore
             run, node, right_end, present_motion(run)
         )
         t = steps * STEP
-        moved = float(solution.displacement(body, x, t) - at_start)  # m
-        expected = (V + run.row.frame) * t + later_deviation - deviation
+        displacement = solution.displacement(body, x, t)
+        moved = float(displacement - at_start)  # m
+        mean_motion = (V + run.row.frame) * t
+        expected = mean_motion + later_deviation - deviation
         assert moved == pytest.approx(expected, abs=1e-9 * STEP)
         assert velocity == pytest.approx(V, abs=1e-12)
         assert abs(later_deviation) <= largest

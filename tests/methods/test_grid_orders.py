@@ -30,11 +30,13 @@ def largest_errors(solution, times, exact, gap=0.0):
     errors = []
     for name, exact_values in exact.items():
         field = getattr(solution, name)
-        values = field(0, PLACES[:, None], times + gap)
+        x = PLACES[:, None]
+        values = field(0, x, times + gap)
         if name == "displacement":
             values = values - gap
         differences = np.abs(values - exact_values)
-        errors.append(differences.max(axis=1))
+        largest = differences.max(axis=1)
+        errors.append(largest)
     return np.array(errors)
 
 
@@ -48,18 +50,21 @@ def test_errors_of_a_damped_rod_that_falls_on_a_wall_are_of_order_two(viscosity,
     fields, opening = rod_on_wall(PLACES, times, viscosity)
     assert 1.25 < opening < 2.5  # the times are before and after
     exact = {name: getattr(fields, name) for name in FIELDS}
-    system = ri.System([damped_rod(viscosity), ri.Wall()], gaps=[gap])
+    rod = damped_rod(viscosity)
+    system = ri.System([rod, ri.Wall()], gaps=[gap])
 
     errors = []
     for cells in (50, 100, 200, 400):
         solution = ri.solve(system, until=3.5, method=METHOD, cells=cells)
-        errors.append(largest_errors(solution, times, exact, gap=gap))
+        errors_of_mesh = largest_errors(solution, times, exact, gap=gap)
+        errors.append(errors_of_mesh)
 
     coarsest, *_, finest = errors
     # The stress of the free end is 0, and some other errors are small by accident.
     is_clear = finest > 5e-7
     refinements = 3
-    orders = np.log2(coarsest[is_clear] / finest[is_clear]) / refinements
+    ratios = coarsest[is_clear] / finest[is_clear]
+    orders = np.log2(ratios) / refinements
     assert orders.min() >= 1.6
     assert finest.max() <= 1e-4
 
@@ -67,7 +72,8 @@ def test_errors_of_a_damped_rod_that_falls_on_a_wall_are_of_order_two(viscosity,
 @pytest.mark.parametrize("viscosity", [0.01, 0.3])
 def test_velocities_do_not_alternate_from_node_to_node(viscosity):
     """Third differences are 8 times an alternation, and small of a smooth field."""
-    system = ri.System([damped_rod(viscosity), ri.Wall()])
+    rod = damped_rod(viscosity)
+    system = ri.System([rod, ri.Wall()])
 
     solution = ri.solve(system, until=3.0, method=METHOD, cells=100)
 
@@ -80,7 +86,8 @@ def test_velocities_do_not_alternate_from_node_to_node(viscosity):
 
 def solve_with_snapshots(cells, snapshots):
     """A damped rod on a wall; `snapshots` is a number, or times, of states to keep."""
-    system = ri.System([damped_rod(0.05), ri.Wall()])
+    rod = damped_rod(0.05)
+    system = ri.System([rod, ri.Wall()])
     return ri.solve(system, until=3.0, method=METHOD, cells=cells, snapshots=snapshots)
 
 
@@ -103,8 +110,10 @@ def test_fields_at_chosen_times_are_as_good_as_those_with_all_states(full):
     assert n_states <= 4 * 3 + 4 + 3  # also about the start and the end
     x = PLACES[:, None]
     for name in FIELDS:
-        values = getattr(chosen, name)(0, x, t)
-        expected = getattr(full, name)(0, x, t)
+        field = getattr(chosen, name)
+        field_with_all_states = getattr(full, name)
+        values = field(0, x, t)
+        expected = field_with_all_states(0, x, t)
         assert values == pytest.approx(expected, rel=1e-12, abs=1e-13)
 
 
@@ -119,7 +128,8 @@ def test_velocities_at_a_few_states_are_as_good_as_those_with_all_states(full):
     assert len(when) <= 40 + 3
     follows_at_once = np.diff(when) == 1
     is_middle = follows_at_once[1:] & follows_at_once[:-1]
-    middles_of_threes = when[1:-1][is_middle] * few.fields.step  # s
+    inner = when[1:-1]
+    middles_of_threes = inner[is_middle] * few.fields.step  # s
     assert len(middles_of_threes) >= 8
     velocity = few.velocity(0, x, middles_of_threes)
     expected = full.velocity(0, x, middles_of_threes)
@@ -140,18 +150,21 @@ def test_errors_of_a_mode_are_of_order_two_everywhere(ends, viscosity):
     decay = viscosity * math.pi**2 / 2
     w = math.sqrt(math.pi**2 - decay**2)
     fade = np.exp(-decay * times)
-    amplitude = np.sin(w * times) / w * fade
+    displacement = np.sin(w * times) / w
+    amplitude = displacement * fade
     rate = np.cos(w * times) * fade - decay * amplitude
+    phase = math.pi * PLACES
     if ends == "free":
         shape_function = np.cos
-        slope = -np.sin(math.pi * PLACES) * math.pi
+        slope = -np.sin(phase) * math.pi
     else:
         shape_function = np.sin
-        slope = np.cos(math.pi * PLACES) * math.pi
-    shape = shape_function(math.pi * PLACES)
+        slope = np.cos(phase) * math.pi
+    shape = shape_function(phase)
+    damped_amplitude = amplitude + viscosity * rate
     exact = {
         "velocity": np.outer(shape, rate),
-        "stress": np.outer(slope, amplitude + viscosity * rate),
+        "stress": np.outer(slope, damped_amplitude),
         "displacement": np.outer(shape, amplitude),
     }
 
@@ -163,7 +176,8 @@ def test_errors_of_a_mode_are_of_order_two_everywhere(ends, viscosity):
     errors = []
     for cells in (50, 100, 200, 400):
         solution = ri.solve(system, until=2.5, method=METHOD, cells=cells)
-        errors.append(largest_errors(solution, times, exact))
+        errors_of_mesh = largest_errors(solution, times, exact)
+        errors.append(errors_of_mesh)
 
     # Smaller errors, where fields are 0, have no order.
     coarsest, *_, finest = np.maximum(errors, 1e-9)

@@ -37,7 +37,8 @@ def exact_stable_step(segments, counts):
 
     It is 2 over the largest angular frequency, from the whole matrices of the mesh.
     """
-    row = build_row(ri.System([rod(*segments)]))
+    system = ri.System([rod(*segments)])
+    row = build_row(system)
     mesh = Mesh(row, counts)
     M, _, K = matrices(mesh)
     every_node = np.ones(len(mesh.mass), bool)
@@ -45,7 +46,8 @@ def exact_stable_step(segments, counts):
     is_in_motion = np.append(every_node, has_radial_motion)
     chosen = np.ix_(is_in_motion, is_in_motion)
     eigenvalues = eigh(K[chosen], M[chosen], eigvals_only=True)
-    return 2 / math.sqrt(eigenvalues[-1])
+    largest_frequency = math.sqrt(eigenvalues[-1])
+    return 2 / largest_frequency
 
 
 @pytest.mark.parametrize("count", few_of([3, 10, 40, 100], [3, 10, 40]))
@@ -57,7 +59,8 @@ def test_the_stable_step_is_that_of_the_fastest_motion_and_gives_the_cells(count
     exact = exact_stable_step([piece], [count])
 
     step = stable_step(piece, count)
-    cells = most_cells(piece, 10 * count, step * (1 - 1e-9))
+    just_shorter = step * (1 - 1e-9)
+    cells = most_cells(piece, 10 * count, just_shorter)
 
     assert step == pytest.approx(exact, rel=2e-3)
     assert step <= exact * (1 + 1e-12)
@@ -66,8 +69,11 @@ def test_the_stable_step_is_that_of_the_fastest_motion_and_gives_the_cells(count
 
 def test_the_stable_step_is_none_too_long_where_sections_and_theories_differ():
     section = {"polar_moment": "circular", "lateral_inertia": THEORY}
-    cone = ri.Segment(0.5, area=ri.Samples([0.02, 0.004]), material=UNIT, **section)
-    segments = [segment(0.5), cone, segment(0.3, radius=0.1), segment(0.2, theory=None)]
+    taper = ri.Samples([0.02, 0.004])  # areas, m^2
+    cone = ri.Segment(0.5, area=taper, material=UNIT, **section)
+    thick = segment(0.3, radius=0.1)
+    without_inertia = segment(0.2, theory=None)
+    segments = [segment(0.5), cone, thick, without_inertia]
     counts = [20, 9, 5, 4]
 
     step = min(map(stable_step, segments, counts))
@@ -77,7 +83,8 @@ def test_the_stable_step_is_none_too_long_where_sections_and_theories_differ():
 
 
 def test_a_step_too_long_for_the_radial_motion_is_refused():
-    system = ri.System([rod(segment(1.0))])
+    uniform = rod(segment(1.0))
+    system = ri.System([uniform])
     with pytest.raises(ri.InvalidModel, match=r"would be unstable in bodies\.0, where"):
         ri.solve(system, until=1.0, method=METHOD, dt=0.06)
 
@@ -86,33 +93,41 @@ def test_a_held_rod_strained_evenly_stays_at_rest():
     """w = -nu a u_x at the start: the radius is that of slow stretching."""
     strain = 1e-3
     radius = 0.05
-    strained = rod(segment(1.0, radius=radius), strain=strain)
-    system = ri.System([strained], ends=(ri.Fixed(), ri.Fixed()))
+    piece = segment(1.0, radius=radius)
+    strained = rod(piece, strain=strain)
+    fixed_ends = (ri.Fixed(), ri.Fixed())
+    system = ri.System([strained], ends=fixed_ends)
     area = math.pi * radius**2
     strain_energy = area * strain**2 / 2  # J, of 1 m with E = 1 Pa
 
     solution = ri.solve(system, until=1.0, method=METHOD, cells=40)
-    run = run_grid(build_row(system), 1.0, max_events=10**9, cells=40)
+    row = build_row(system)
+    run = run_grid(row, 1.0, max_events=10**9, cells=40)
 
     x = np.linspace(0, 1, 21)[:, None]
     t = np.linspace(0, 1, 11)
     velocity = solution.velocity(0, x, t)
     assert np.abs(velocity).max() <= 1e-15
-    assert solution.strain(0, x, t) == pytest.approx(strain, abs=1e-15)
-    assert solution.energy(t).strain == pytest.approx(strain_energy, rel=1e-12)
+    strain_found = solution.strain(0, x, t)
+    assert strain_found == pytest.approx(strain, abs=1e-15)
+    energy = solution.energy(t)
+    assert energy.strain == pytest.approx(strain_energy, rel=1e-12)
     assert run.largest_strain == pytest.approx(strain, rel=1e-12)
 
 
 def test_a_collision_of_thin_rods_is_proved_over_and_ends_like_that_of_ideal_ones():
     """Ideal ones, of equal section, have the ratio of their lengths as restitution."""
-    first = rod(segment(0.4, radius=0.01), velocity=1.0)
-    second = rod(segment(1.0, radius=0.01))
+    short = segment(0.4, radius=0.01)
+    long = segment(1.0, radius=0.01)
+    striker = rod(short, velocity=1.0)
+    system = ri.System([striker, rod(long)])
 
-    solution = ri.solve(ri.System([first, second]), method=METHOD, cells=100)
+    solution = ri.solve(system, method=METHOD, cells=100)
 
     outcome = solution.outcome
     assert solution.final
-    assert outcome.restitution == pytest.approx(0.4 / 1.0, abs=0.01)
+    ratio_of_lengths = 0.4 / 1.0
+    assert outcome.restitution == pytest.approx(ratio_of_lengths, abs=0.01)
     assert abs(outcome.energy_residual) <= 1e-12
     assert outcome.numerical > 0  # J: jumps lose energy on a grid
 
@@ -156,4 +171,5 @@ def test_the_mode_that_lasts_longest_is_the_lowest_of_the_rod(segments, omega, s
     frequency, rate = lasting_mode(segments)
 
     assert frequency == pytest.approx(omega, rel=3e-4)
-    assert rate == pytest.approx(share * decay_if_all_damps, rel=1e-2)
+    expected_rate = share * decay_if_all_damps
+    assert rate == pytest.approx(expected_rate, rel=1e-2)

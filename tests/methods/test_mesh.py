@@ -30,12 +30,15 @@ def test_cells_that_hardly_move_are_refused_unless_they_are_few(segment, field):
     """30 cells of a segment with much viscosity or lateral inertia, but not one."""
 
     def mesh_of(bodies, counts):
-        return Mesh(build_row(ri.System(bodies)), counts)
+        system = ri.System(bodies)
+        return Mesh(build_row(system), counts)
 
-    rod = ri.Rod(segments=[ri.Segment(1.0, area=1.0, material=UNIT), segment])
+    plain = ri.Segment(1.0, area=1.0, material=UNIT)
+    rod = ri.Rod(segments=[plain, segment])
+    bodies = [unit_rod(), rod]
 
     message = "round-off hides the motion"
-    paths = refused(message, mesh_of, [unit_rod(), rod], counts=[3, 3, 30])
+    paths = refused(message, mesh_of, bodies, counts=[3, 3, 30])
 
     assert paths == [f"bodies.1.segments.1.{field}"]
     mesh_of([rod], counts=[3, 1])  # is not refused
@@ -44,19 +47,22 @@ def test_cells_that_hardly_move_are_refused_unless_they_are_few(segment, field):
 def test_the_mesh_is_chosen_whose_courant_numbers_are_nearest_to_1():
     """Of those with 100 to 199 cells in the longest rod."""
     lengths = [1.0, 0.75, math.sqrt(0.5)]  # and transit times
-    row = build_row(ri.System([unit_rod(length) for length in lengths]))
+    rods = [unit_rod(length) for length in lengths]
+    row = build_row(ri.System(rods))
 
     counts, step = mesh_size(row, cells=None, dt=None, until=None)
 
     courant = step * np.array(counts) / lengths  # [segment]
     assert 100 <= counts[0] < 200
-    assert courant.max() == pytest.approx(0.999, rel=1e-12)
+    largest = courant.max()
+    assert largest == pytest.approx(0.999, rel=1e-12)
     assert courant.min() >= 0.997  # 0.2 % below the largest
 
 
 def test_the_shortest_rod_has_8_cells_at_least():
     """Of a hundred cells in the longest rod it would have two."""
-    row = build_row(ri.System([unit_rod(), unit_rod(0.02)]))
+    system = ri.System([unit_rod(), unit_rod(0.02)])
+    row = build_row(system)
 
     counts, _ = mesh_size(row, cells=None, dt=None, until=None)
 
@@ -65,15 +71,18 @@ def test_the_shortest_rod_has_8_cells_at_least():
 
 def test_the_scale_of_velocities_is_that_of_the_mirror_image():
     """The largest force at either end counts once, over the least impedance."""
-    ends = (ri.Pushed(3.0), ri.Pushed(ri.Steps([1.0, -2.0], at=[1.0])))
-    system = ri.System([unit_rod(area=0.5, velocity=0.25), unit_rod()], ends=ends)
+    steps = ri.Steps([1.0, -2.0], at=[1.0])
+    ends = (ri.Pushed(3.0), ri.Pushed(steps))
+    first = unit_rod(area=0.5, velocity=0.25)
+    system = ri.System([first, unit_rod()], ends=ends)
 
     scale = build_row(system).scale
     scale_of_mirrored = build_row(system.mirrored()).scale
 
     largest_force = 3.0
     least_impedance = 0.5
-    assert scale == pytest.approx(0.25 + largest_force / least_impedance)
+    expected = 0.25 + largest_force / least_impedance
+    assert scale == pytest.approx(expected)
     assert scale_of_mirrored == scale
 
 
@@ -105,7 +114,8 @@ def test_a_huge_section_in_a_taper_reflects_as_a_wall_whatever_its_size(material
         horn = ri.Rod(0.5, area=areas, material=material)
         row = ri.System([striker, horn])
         solution = ri.solve(row, method="finite-difference", cells=100, until=4e-4)
-        velocities.append(solution.mean_velocity(0, 4e-4))
+        velocity = solution.mean_velocity(0, 4e-4)
+        velocities.append(velocity)
         residual = solution.energy(4e-4).residual
         assert abs(residual) < 1e-12 * striker.mass
 

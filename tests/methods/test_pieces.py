@@ -32,12 +32,14 @@ X = np.array(series.X)  # points of a piece, from -1 to 1
 
 def random_series(seed, n=POINTS):
     """Random Chebyshev coefficients [n]."""
-    return default_rng(seed).normal(size=n)
+    rng = default_rng(seed)
+    return rng.normal(size=n)
 
 
 def record_with(record, **fields):
     """An object with the fields of a record; those that are not given are 0."""
-    (blank,) = record_lists.as_objects(np.zeros(1, record))
+    zeros = np.zeros(1, record)
+    (blank,) = record_lists.as_objects(zeros)
     for name, value in fields.items():
         setattr(blank, name, value)
     return blank
@@ -48,6 +50,11 @@ def work():
     return [0.0] * POINTS
 
 
+def values_at_points(c):
+    """Values of a Chebyshev series at the points of a piece, as a list."""
+    return chebyshev.chebval(X, c).tolist()
+
+
 # Series
 # --------------------------------------------------------------------------------------
 
@@ -55,15 +62,21 @@ def work():
 @pytest.mark.parametrize("degree", range(2 * N - 1))
 def test_integrals_are_exact_to_the_degree_of_radau(degree):
     """Of x^degree from -1 to 1."""
-    values = (X**degree).tolist()
-    exact = (1 - (-1) ** (degree + 1)) / (degree + 1)
-    assert series.integral(values) == pytest.approx(exact, abs=1e-14)
+    values = X**degree
+    difference = 1 - (-1) ** (degree + 1)  # of x^(degree + 1) at the ends
+    exact = difference / (degree + 1)
+
+    integral = series.integral(values.tolist())
+
+    assert integral == pytest.approx(exact, abs=1e-14)
 
 
 def test_the_truncation_estimate_is_the_size_of_the_last_two_coefficients():
     c = random_series(5)
-    values = chebyshev.chebval(X, c).tolist()
-    tail = abs(c[-2]) + abs(c[-1])
+    values = values_at_points(c)
+    last = abs(c[-1])
+    last_but_one = abs(c[-2])
+    tail = last_but_one + last
 
     estimate = series.truncation_estimate(values)
 
@@ -75,11 +88,13 @@ def test_the_smallest_value_of_a_series_is_found(seed):
     """Among 100,001 values of the series, whose smallest is within 1e-6 of it."""
     c = random_series(seed)
     c[0] = 0.0
-    values = chebyshev.chebval(np.linspace(-1, 1, 100_001), c)
+    places = np.linspace(-1, 1, 100_001)
+    values = chebyshev.chebval(places, c)
 
     minimum = series.minimum(c.tolist())
 
-    assert minimum == pytest.approx(values.min(), abs=1e-6)
+    smallest = values.min()
+    assert minimum == pytest.approx(smallest, abs=1e-6)
 
 
 @pytest.mark.parametrize("end", [-1.0, 1.0])
@@ -97,7 +112,7 @@ def test_slopes_at_the_ends_of_a_piece_are_those_of_numpy(end):
 def test_a_part_of_a_piece_is_the_same_polynomial(y):
     """The part from -1 to y; its points take the place of those of the whole."""
     c = random_series(6)
-    values = chebyshev.chebval(X, c).tolist()
+    values = values_at_points(c)
 
     series.restrict(values, y, work())
 
@@ -123,16 +138,20 @@ def test_the_maximum_is_missed_by_no_more_than_it_says(seed):
     """It is at an end, or where the derivative is 0; the miss is stated, and small."""
     decay = 0.2 ** np.arange(POINTS)  # of coefficients, as pieces are smooth
     c = random_series(seed) * decay
-    values = chebyshev.chebval(X, c).tolist()
-    vertices = chebyshev.chebroots(chebyshev.chebder(c))
-    is_inside = (vertices.imag == 0) & (abs(vertices.real) <= 1)
-    places = np.append(vertices.real[is_inside], [-1.0, 1.0])
+    values = values_at_points(c)
+    derivative = chebyshev.chebder(c)
+    vertices = chebyshev.chebroots(derivative)
+    is_real = vertices.imag == 0
+    is_inside = is_real & (abs(vertices.real) <= 1)
+    vertices_inside = vertices.real[is_inside]
+    places = np.append(vertices_inside, [-1.0, 1.0])
     exact = chebyshev.chebval(places, c).max()
     round_off = 2e-15
 
     maximum = series.maximum(values, work(), -math.inf)
 
-    assert maximum.value == pytest.approx(exact, rel=0, abs=maximum.miss + round_off)
+    allowed_error = maximum.miss + round_off
+    assert maximum.value == pytest.approx(exact, rel=0, abs=allowed_error)
     assert maximum.miss <= 1e-12 * np.ptp(values)
     assert maximum.value >= max(values)
     at_place = chebyshev.chebval(maximum.position, c)
@@ -151,7 +170,7 @@ def test_the_error_of_a_polynomial_is_estimated_where_it_is(fall, seed):
     """
     signs = np.sign(random_series(seed, n=30))
     c = signs * fall ** np.arange(30)
-    values = chebyshev.chebval(X, c).tolist()
+    values = values_at_points(c)
     polynomial = chebyshev.chebfit(X, values, N)
     round_off = 1e-15
 
@@ -160,8 +179,8 @@ def test_the_error_of_a_polynomial_is_estimated_where_it_is(fall, seed):
 
     ratios = []
     for y in np.linspace(-0.99, 0.99, 40):
-        difference = chebyshev.chebval(y, c) - chebyshev.chebval(y, polynomial)
-        error = abs(difference)
+        approximation = chebyshev.chebval(y, polynomial)
+        error = abs(chebyshev.chebval(y, c) - approximation)
         estimate = series.error_at(values, y)
         assert error <= 1.5 * estimate + round_off
         ratios.append(estimate / (error + round_off))
@@ -177,7 +196,8 @@ def test_elimination_solves_banded_equations_as_numpy_does(n, band):
     rng = default_rng(n)
     numbers = np.arange(n)
     off_diagonal = np.abs(numbers[:, None] - numbers)
-    A = rng.normal(size=(n, n)) * (off_diagonal < band)
+    is_in_band = off_diagonal < band
+    A = rng.normal(size=(n, n)) * is_in_band
     b = rng.normal(size=n)
     rows = np.column_stack((A, b)).tolist()
 
@@ -190,7 +210,8 @@ def test_elimination_solves_banded_equations_as_numpy_does(n, band):
 
 def test_what_is_flattened_becomes_the_nearest_parabola():
     """Here the exponential function; a parabola stands for dense breaks."""
-    values = np.exp(X).tolist()
+    exponential = np.exp(X)
+    values = exponential.tolist()
 
     series.flatten(values)
 
@@ -200,11 +221,12 @@ def test_what_is_flattened_becomes_the_nearest_parabola():
     for k in range(3):
         basis = legendre.Legendre.basis(k)
         projection = weights @ (np.exp(x) * basis(x))
-        parabola.append((2 * k + 1) / 2 * projection)
+        coefficient = (2 * k + 1) / 2 * projection
+        parabola.append(coefficient)
     expected = legendre.legval(X, parabola)
     assert values == pytest.approx(expected, abs=1e-9)
-    changes = np.exp(X) - values
-    assert max(abs(changes)) > 1e-3  # a parabola is not the exponential
+    changes = abs(exponential - values)
+    assert changes.max() > 1e-3  # a parabola is not the exponential
 
 
 # Lines
@@ -228,13 +250,15 @@ def line_of(*pieces, delay=0):
         last_piece=last,
         unread_breaks=hard_breaks,
     )
-    log = record_lists.as_objects(np.zeros(len(pieces) + 4, PIECE))
+    blank_rows = np.zeros(len(pieces) + 4, PIECE)
+    log = record_lists.as_objects(blank_rows)
     for i, (start, end, order, c) in enumerate(pieces):
         piece = log[i]
         piece.start = start
         piece.end = end
         piece.break_order = order
-        piece.degree = N if len(c) > 1 else 0
+        is_constant = len(c) == 1
+        piece.degree = 0 if is_constant else N
         zeros = [0.0] * (POINTS - len(c))
         piece.coefficients = [*c, *zeros]
         piece.next = i + 1
@@ -261,7 +285,8 @@ def line_of_pieces():
 
 def arriving(t, side="right"):
     """What `PIECES` bring at tick t, from its right or its left side."""
-    start, stop, _, c = PIECES[np.searchsorted(BREAKS, t, side)]
+    index = np.searchsorted(BREAKS, t, side)
+    start, stop, _, c = PIECES[index]
     since_start = t - DELAY - start
     y = 2 * since_start / (stop - start) - 1  # from -1 to 1 in the piece
     return chebyshev.chebval(y, c)
@@ -321,8 +346,9 @@ def quadrature(tick, ticks):
     times = []
     all_weights = []
     for start, stop in pairwise(edges):
-        times.append(start + (stop - start) * (x + 1) / 2)
-        all_weights.append((stop - start) / 2 * weights)
+        half_duration = (stop - start) / 2
+        times.append(start + half_duration * (x + 1))
+        all_weights.append(half_duration * weights)
     return np.concatenate(times), np.concatenate(all_weights)
 
 
@@ -349,10 +375,12 @@ def test_dense_breaks_keep_momentum_and_its_first_moment_and_gain_no_energy(
     momentum = weights @ arrived
     assert integral(smoothed) == pytest.approx(momentum, rel=1e-12)
     energy = weights @ arrived**2
-    assert integral(smoothed**2) <= energy * (1 + 1e-12)
-    y = 2 * (times - tick) / ticks - 1
+    energy_of_smoothed = integral(smoothed**2)
+    assert energy_of_smoothed <= energy * (1 + 1e-12)
+    y = 2 * (times - tick) / ticks - 1  # from -1 to 1 in the piece
     first_moment = weights @ (arrived * y)
-    assert integral(smoothed * X) == pytest.approx(first_moment, rel=1e-11)
+    moment_of_smoothed = integral(smoothed * X)
+    assert moment_of_smoothed == pytest.approx(first_moment, rel=1e-11)
 
 
 def constant(value):
@@ -366,8 +394,11 @@ def append_constant(value, run, line, log):
     return lines.append_values(run, line, log, 0, 100, 50, values, work())
 
 
+CONSTANT_PIECE = (0, 100, SMOOTH, [2.0])
+
+
 def test_what_is_constant_stays_one_piece():
-    run, line, log = line_of((0, 100, SMOOTH, [2.0]))
+    run, line, log = line_of(CONSTANT_PIECE)
 
     new_piece = append_constant(2.0, run, line, log)
 
@@ -377,7 +408,7 @@ def test_what_is_constant_stays_one_piece():
 
 
 def test_another_constant_is_another_piece():
-    run, line, log = line_of((0, 100, SMOOTH, [2.0]))
+    run, line, log = line_of(CONSTANT_PIECE)
 
     new_piece = append_constant(3.0, run, line, log)
 
@@ -408,12 +439,14 @@ def test_a_break_is_hard_where_what_jumps_is_above_tolerance(
     Slope and bend are over the shortest transit, 1000 ticks. The piece before lasts so
     long, the one after 500 ticks.
     """
-    before = chebyshev.poly2cheb([0.5, 0.3, 0.1]).tolist()
-    run, line, log = line_of((0, 1000, SMOOTH, before))
+    before = chebyshev.poly2cheb([0.5, 0.3, 0.1])
+    piece_before = (0, 1000, SMOOTH, before.tolist())
+    run, line, log = line_of(piece_before)
     # The piece before is 0.5 + 0.3 y + 0.1 y^2 with y = 1 + 2 u, u in transits since
     # the break: it would go on with 0.9 + u + 0.4 u^2.
     u = (X + 1) / 4
-    after = (0.9 + jump) + (1.0 + slope) * u + (0.4 + bend) * u**2
+    start = 0.9 + jump
+    after = start + (1.0 + slope) * u + (0.4 + bend) * u**2
     node = record_with(NODE, now=1000, outgoing=after.tolist())
 
     lines.send(run, line, log, 0, node, 500, order)
@@ -428,14 +461,19 @@ def test_the_first_reflection_of_a_free_end_has_a_break_of_its_order(sent, order
     """What arrives at t = 0 begins with 1 - 0.5, and is sent after what is under way,
     the constant `sent`: it jumps (order 0), or only its slope does (1).
     """
-    run, line, log = line_of((-1000, 0, SMOOTH, [1.0, 0.5]), delay=1000)
-    line.append(record_with(LINE, last_piece=NONE))
-    lines.append_values(run, line, log, 1, -1000, 1000, constant(sent), work())
+    incoming = (-1000, 0, SMOOTH, [1.0, 0.5])
+    run, line, log = line_of(incoming, delay=1000)
+    empty_line = record_with(LINE, last_piece=NONE)
+    line.append(empty_line)
+    sent_before = constant(sent)
+    lines.append_values(run, line, log, 1, -1000, 1000, sent_before, work())
     end = record_with(
         NODE, incoming_lines=[0, NONE], outgoing_lines=[1, NONE], mobility=[1.0, 0.0]
     )
 
-    assert lines.reflect(run, line, log, end) == 1000
+    end_of_reflection = lines.reflect(run, line, log, end)
+
+    assert end_of_reflection == 1000
 
     under_way = log[1]
     reflected = log[2]
@@ -453,7 +491,8 @@ def wave_with_a_jump_and_a_kink():
     """
     begins = np.array([1.0, 3.0, 2.0])
     ends = np.array([1.0, 2.0, 4.0])
-    signal = Pieces.lines([0, 300, 700], begins, ends, 1000)
+    starts = [0, 300, 700]
+    signal = Pieces.lines(starts, begins, ends, 1000)
     wave, missed = profile_pieces.in_pieces(signal, 0, 1000, 1e-9, 1e-9)
     assert missed == 0
     return wave
@@ -473,7 +512,8 @@ def test_a_wave_with_a_jump_and_a_kink_becomes_pieces(wave_with_a_jump_and_a_kin
     assert wave["start"].tolist() == [0, 300, 700]
     assert wave["end"].tolist() == [300, 700, 1000]
     assert wave["break_order"].tolist() == [SMOOTH, 0, 1]
-    assert values_at_ends(wave) == pytest.approx([1, 1, 3, 2, 2, 4], abs=1e-12)
+    values = values_at_ends(wave)
+    assert values == pytest.approx([1, 1, 3, 2, 2, 4], abs=1e-12)
     assert wave["degree"].tolist() == [0, N, N]  # what is constant stays so
 
 
@@ -482,7 +522,8 @@ def test_a_wave_can_run_backwards(wave_with_a_jump_and_a_kink):
     assert wave["start"].tolist() == [-1000, -700, -300]
     assert wave["end"].tolist() == [-700, -300, 0]
     assert wave["break_order"].tolist() == [SMOOTH, 1, 0]
-    assert values_at_ends(wave) == pytest.approx([4, 2, 2, 3, 1, 1], abs=1e-12)
+    values = values_at_ends(wave)
+    assert values == pytest.approx([4, 2, 2, 3, 1, 1], abs=1e-12)
 
 
 # Laws
@@ -511,8 +552,9 @@ LAWS = {
 
 def pressed_link(fields):
     """A link that presses or is bonded, with these fields."""
-    defaults = {"mobility": 0.8, "exponent": 1.0, "status": Status.PRESS}
-    return record_with(LINK, **{**defaults, **fields})
+    all_fields = {"mobility": 0.8, "exponent": 1.0, "status": Status.PRESS}
+    all_fields |= fields
+    return record_with(LINK, **all_fields)
 
 
 @pytest.mark.parametrize("fields", LAWS.values(), ids=LAWS)
@@ -539,23 +581,23 @@ def test_a_force_satisfies_its_law(fields):
 def test_derivatives_of_a_force_are_its_difference_quotients(fields):
     link = pressed_link(fields)
     step = 1e-6
-
     overlap = 0.3
     closing = 1.7
 
-    def force_beside(more_overlap, more_closing):
-        """Force for a little more overlap and closing velocity."""
-        F, _, _ = contact_laws.force(
-            link, overlap + more_overlap, closing + more_closing
-        )
+    def force_at(overlap, closing):
+        F, _, _ = contact_laws.force(link, overlap, closing)
         return F
 
     _, by_overlap, by_closing = contact_laws.force(link, overlap, closing)
 
-    difference = force_beside(step, 0.0) - force_beside(-step, 0.0)
-    assert by_overlap == pytest.approx(difference / (2 * step), rel=1e-7, abs=1e-9)
-    difference = force_beside(0.0, step) - force_beside(0.0, -step)
-    assert by_closing == pytest.approx(difference / (2 * step), rel=1e-7, abs=1e-9)
+    more = force_at(overlap + step, closing)
+    less = force_at(overlap - step, closing)
+    quotient = (more - less) / (2 * step)
+    assert by_overlap == pytest.approx(quotient, rel=1e-7, abs=1e-9)
+    more = force_at(overlap, closing + step)
+    less = force_at(overlap, closing - step)
+    quotient = (more - less) / (2 * step)
+    assert by_closing == pytest.approx(quotient, rel=1e-7, abs=1e-9)
 
 
 @pytest.mark.parametrize(
@@ -576,6 +618,7 @@ def test_one_guard_ends_a_status_and_names_the_next(
     law, status, overlap, closing, next_status
 ):
     """The law yields at 2 N, from an overlap of 0.2 m on; its table goes on at 9 N."""
+    damping = 0.5 if law == Law.POWER else 0.0
     link = record_with(
         LINK,
         law=law,
@@ -585,7 +628,7 @@ def test_one_guard_ends_a_status_and_names_the_next(
         yield_force=2.0,
         resting_force=2.0,
         mobility=0.1,
-        damping=0.5 if law == Law.POWER else 0.0,
+        damping=damping,
     )
     link.knots[0] = 9.0
     F = 0.0
@@ -607,13 +650,13 @@ def test_a_force_that_pushes_an_end_is_as_rough_as_the_velocity_it_makes(law, si
     """What comes in from this side is a force of the drive, which makes a velocity of 2
     mobility F; beside a rigid contact the same values are a velocity.
     """
-    values = random_series(7).tolist()
-    truncation = series.truncation_estimate(values)
+    values = random_series(7)
+    truncation = series.truncation_estimate(values.tolist())
     mobility = 0.03
     push = record_with(LINK, law=law, effective_mobility=mobility)
     rigid = record_with(LINK, law=Law.RIGID, effective_mobility=mobility)
     node = record_with(NODE, link_count=1)
-    node.incoming[side] = values
+    node.incoming[side] = values.tolist()
 
     of_force = nodes.truncation_error([push], [], node)
     of_velocity = nodes.truncation_error([rigid], [], node)
@@ -641,7 +684,8 @@ def test_a_force_that_is_the_difference_of_large_terms_is_found():
         overlap=0.18203465728144244,
         overlap_rate=closing,
     )
-    node = record_with(NODE, link_count=1, mobility=[5.60433405e-09, 3.75933741e-03])
+    mobilities = [5.60433405e-09, 3.75933741e-03]  # on the left, on the right
+    node = record_with(NODE, link_count=1, mobility=mobilities)
     velocity = -0.11930282
     node.incoming[0] = constant(velocity)
     for j in range(POINTS):
@@ -653,4 +697,4 @@ def test_a_force_that_is_the_difference_of_large_terms_is_found():
     converged = nodes.collocate(run, [link], [], node, 8.4e-14, matrix)
 
     assert converged
-    assert np.all(np.abs(link.force) < 1e-11)
+    assert max(map(abs, link.force)) < 1e-11

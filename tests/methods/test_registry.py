@@ -37,8 +37,10 @@ MISTAKES = [
 @pytest.mark.parametrize("ask", [ri.solve, ri.sweep])
 def test_mistakes_of_options_are_the_same_in_solve_and_sweep(name, value, ask):
     """Those of `Options`, by the name of the option."""
-    messages = problems(lambda: Options(**{name: value}))
-    messages_of_call = problems(lambda: ask(ROW, **{name: value}))
+    options = {name: value}
+
+    messages = problems(lambda: Options(**options))
+    messages_of_call = problems(lambda: ask(ROW, **options))
 
     assert list(messages) == [name]
     assert messages_of_call == messages
@@ -55,7 +57,8 @@ def test_mistakes_of_options_are_the_same_in_solve_and_sweep(name, value, ask):
     ],
 )
 def test_snapshots_are_a_number_or_times_within_the_run(snapshots, until, message):
-    assert refused(message, Options, until, snapshots=snapshots) == ["snapshots"]
+    paths = refused(message, Options, until, snapshots=snapshots)
+    assert paths == ["snapshots"]
 
 
 ALL_WRONG = {
@@ -80,7 +83,8 @@ ALL_WRONG = {
 def test_all_mistakes_are_told_once_each(wrong):
     """All are told but rtol, which is right, or wrong only beside the others."""
     paths = refused("must|give", Options, **wrong)
-    assert sorted(paths) == sorted(set(wrong) - {"rtol"})
+    expected = set(wrong) - {"rtol"}
+    assert sorted(paths) == sorted(expected)
 
 
 @pytest.mark.parametrize(
@@ -112,11 +116,14 @@ def test_options_of_another_method_are_refused(options, path, message, ask):
 
 def driven_pair(end):
     """A moving rod with this left end, and one at rest 1 mm before it."""
-    return ri.System([ROD, STILL], gaps=[1e-3], ends=(end, ri.Free()))
+    ends = (end, ri.Free())
+    return ri.System([ROD, STILL], gaps=[1e-3], ends=ends)
 
 
-PUSHED_FOR_A_WHILE = ri.Pushed(ri.Steps([1.0, 0.0], at=[1e-5]))
-FALLING_FROM_AN_END = ri.System([ROD], gravity=9.81, ends=(ri.Fixed(), ri.Free()))
+PUSH_OF_10_US = ri.Steps([1.0, 0.0], at=[1e-5])
+PUSHED_FOR_A_WHILE = ri.Pushed(PUSH_OF_10_US)
+HANGING = (ri.Fixed(), ri.Free())
+FALLING_FROM_AN_END = ri.System([ROD], gravity=9.81, ends=HANGING)
 
 
 @pytest.mark.parametrize(
@@ -136,17 +143,19 @@ def test_a_row_on_which_something_acts_needs_an_end_and_is_never_final(
     """`cause` is named where no end is given, `acting` by the status of a solution."""
     message = f"must be given: .*{cause}"
     for ask in (ri.solve, ri.sweep):
-        assert refused(message, ask, system) == ["until"]
+        paths = refused(message, ask, system)
+        assert paths == ["until"]
 
     solution = ri.solve(system, until=1e-4)
 
     assert not solution.final
-    assert solution.outcome.driven
+    outcome = solution.outcome
+    assert outcome.driven
     assert acting in solution.status
     reason = "gravity, a driven end, soil or drag"
     if len(system.bodies) == 1:
         reason = "no contact of this row"
-    assert reason in solution.outcome.why_no_restitution()
+    assert reason in outcome.why_no_restitution()
 
 
 def test_a_collision_of_bodies_that_fall_alike_is_final():
@@ -168,7 +177,8 @@ def test_the_cap_on_events_ends_a_run_and_says_what_it_counts(
     method, counted, remedy, cap
 ):
     """A rod between two walls, which would go on for ever."""
-    system = ri.System([ri.Wall(), ROD, ri.Wall()], gaps=[1e-3, 1e-3])
+    bodies = [ri.Wall(), ROD, ri.Wall()]
+    system = ri.System(bodies, gaps=[1e-3, 1e-3])
 
     solution = ri.solve(system, method=method, max_events=cap)
 
@@ -181,15 +191,17 @@ def test_the_cap_on_events_ends_a_run_and_says_what_it_counts(
 
 
 def test_rtol_chooses_a_method_that_takes_one():
-    assert Options().method_for(ROW) == "fronts"
-    assert Options(rtol=1e-3).method_for(ROW) == "characteristics"
+    default = Options()
+    with_tolerance = Options(rtol=1e-3)
+
+    assert default.method_for(ROW) == "fronts"
+    assert with_tolerance.method_for(ROW) == "characteristics"
 
 
 OPTIONS_OF_GRID = [{"dt": 1e-6}, {"cells": 9}, {"snapshots": [0.0, 1e-5]}]
 SPRING = [ri.Spring(1e8)]
-MASS_ON_SPRING = ri.System(
-    [ri.RigidMass(1.0, velocity=1.0), ri.Wall()], contacts=SPRING
-)
+MASS = ri.RigidMass(1.0, velocity=1.0)
+MASS_ON_SPRING = ri.System([MASS, ri.Wall()], contacts=SPRING)
 
 
 @pytest.mark.parametrize("options", OPTIONS_OF_GRID)
@@ -204,12 +216,14 @@ def test_options_of_a_grid_are_refused_where_another_method_is_chosen(system, op
     messages = problems(lambda: Options(**options).method_for(system))
 
     assert list(messages) == [option]
-    assert messages[option].startswith('is for method "finite-difference", not "')
+    message = messages[option]
+    assert message.startswith('is for method "finite-difference", not "')
 
 
 STEEL = ri.materials.steel
 THICK = ri.Rod(0.4, diameter=0.01, material=STEEL, lateral_inertia="rayleigh-love")
-LOSSY = ri.Rod(0.4, area=1e-4, material=STEEL.damped(0.01, 1e4))
+VISCOUS_STEEL = STEEL.damped(0.01, 1e4)
+LOSSY = ri.Rod(0.4, area=1e-4, material=VISCOUS_STEEL)
 ON_GRID = {"method": "finite-difference", "cells": 20}
 
 
@@ -217,7 +231,8 @@ ON_GRID = {"method": "finite-difference", "cells": 20}
 def test_options_of_a_grid_are_taken_where_the_row_needs_one(options):
     """As one of damped rods does."""
     row = ri.System([LOSSY])
-    assert Options(**options).method_for(row) == "finite-difference"
+    method = Options(**options).method_for(row)
+    assert method == "finite-difference"
 
 
 @pytest.mark.parametrize(
@@ -271,17 +286,20 @@ def test_the_status_names_no_entry_where_nothing_slower_was_chosen(system, optio
 # What methods lack
 # --------------------------------------------------------------------------------------
 
-CONE = ri.Rod(0.4, area=ri.Samples([1e-4, 2e-4]), material=STEEL)
+TAPER = ri.Samples([1e-4, 2e-4])  # areas, m^2
+CONE = ri.Rod(0.4, area=TAPER, material=STEEL)
 RAMP = ri.Samples([0.0, 1.0], step=1e-5)
 LOSSY_AND_THICK = ri.Segment(
     0.5,
     area=1e-4,
-    material=LOSSY.segments[0].material,
+    material=VISCOUS_STEEL,
     polar_moment=1e-8,
     lateral_inertia="rayleigh-love",
 )
-MIXED = ri.Rod(segments=[ri.Segment(0.5, area=1e-4, material=STEEL), LOSSY_AND_THICK])
-SMOOTH = ROD.replace(velocity=ri.Samples([0.0, 1.0]))
+PLAIN = ri.Segment(0.5, area=1e-4, material=STEEL)
+MIXED = ri.Rod(segments=[PLAIN, LOSSY_AND_THICK])
+STRAIGHT_LINE = ri.Samples([0.0, 1.0])
+SMOOTH = ROD.replace(velocity=STRAIGHT_LINE)
 BY_MINDLIN_AND_HERRMANN = THICK.replace(lateral_inertia="mindlin-herrmann")
 FOR_CHARACTERISTICS = {  # a row, and by path what fronts lack
     "mass": (ri.System([ri.RigidMass(2.0), ROD]), {"bodies.0": "rigid masses"}),

@@ -18,29 +18,33 @@ def trapezoid(start=20e-6, rise=4e-6, width=60e-6, height=2.0, dt=1e-7, **names)
     It begins at `start` and rises in `rise`, s. `names` may be the unit and the name.
     """
     corners = start + np.array([0, rise, width, width + rise])
+    heights = [0, height, height, 0]
     t = dt * np.arange(2001)
-    values = np.interp(t, corners, [0, height, height, 0])
+    values = np.interp(t, corners, heights)
     return ri.Signal(values, t, **names)
 
 
 def tone(frequency, dt=1e-7, count=8001):
     """A burst of one frequency, Hz, smooth at its ends."""
     t = dt * np.arange(count)
-    from_middle = t - t[-1] / 2
-    envelope = np.exp(-((from_middle / 5e-5) ** 2))
+    middle = t[-1] / 2
+    from_middle = (t - middle) / 5e-5
+    envelope = np.exp(-(from_middle**2))
     carrier = np.cos(2 * np.pi * frequency * t)
     return ri.Signal(envelope * carrier, t)
 
 
 def amplitude(signal, frequency):
     """Complex amplitude of a signal at a frequency: its Fourier integral."""
-    wave = np.exp(-2j * np.pi * frequency * signal.times)
+    phase = 2 * np.pi * frequency * signal.times
+    wave = np.exp(-1j * phase)
     return np.sum(signal.values * wave) * signal.dt
 
 
 def transfer(after, before, frequency):
     """Ratio of the complex amplitudes of a burst after and before it was changed."""
-    return amplitude(after, frequency) / amplitude(before, frequency)
+    amplitude_after = amplitude(after, frequency)
+    return amplitude_after / amplitude(before, frequency)
 
 
 def test_signals_are_equal_by_times_values_and_unit():
@@ -106,8 +110,8 @@ def test_signals_and_numbers_are_added_and_multiplied():
 def test_the_baseline_is_the_mean_of_a_stretch_and_is_subtracted():
     pulse = trapezoid()  # it begins after 20 us
     raised = pulse + 3.0
-    from_baseline = raised.baseline(0.0, 19e-6)
-    assert from_baseline.values == pytest.approx(pulse.values, abs=1e-15)
+    lifted = raised.baseline(0.0, 19e-6)
+    assert lifted.values == pytest.approx(pulse.values, abs=1e-15)
 
 
 def test_a_pulse_has_plateau_width_at_half_height_rise_and_start():
@@ -115,22 +119,27 @@ def test_a_pulse_has_plateau_width_at_half_height_rise_and_start():
     start = 20e-6
     whole_rise = 4e-6
     width = 60e-6
-    signal = -1 * trapezoid(start, whole_rise, width, height=2.0)
+    positive = trapezoid(start, whole_rise, width, height=2.0)
+    signal = -1 * positive
 
     pulse = signal.pulse()
 
     assert pulse.plateau == -2.0
     assert pulse.width == pytest.approx(width, rel=1e-9)
-    assert pulse.rise == pytest.approx(0.8 * whole_rise, rel=1e-9)
-    assert pulse.start == pytest.approx(start + 0.1 * whole_rise, rel=1e-9)
+    rise = 0.8 * whole_rise
+    assert pulse.rise == pytest.approx(rise, rel=1e-9)
+    tenth = start + 0.1 * whole_rise  # time at which the pulse has 10 % of its height
+    assert pulse.start == pytest.approx(tenth, rel=1e-9)
 
 
 def test_the_width_of_a_pulse_is_found_in_noise():
     width = 60e-6
     clean = trapezoid(width=width)
-    noise = 0.01 * np.sin(np.arange(len(clean)) ** 2)
+    sample = np.arange(len(clean))
+    noise = 0.01 * np.sin(sample**2)
     rough = clean.replace(values=clean.values + noise)
-    assert rough.pulse().width == pytest.approx(width, abs=1e-7)
+    pulse = rough.pulse()
+    assert pulse.width == pytest.approx(width, abs=1e-7)
 
 
 @pytest.mark.parametrize("seed", few_of(range(200), range(12)))
@@ -138,14 +147,18 @@ def test_a_shift_is_found_wherever_a_window_lies_or_ends_at_its_limit(seed):
     rng = default_rng(seed)
     gaps = rng.uniform(2e-6, 2e-5, 40)
     heights = rng.uniform(-1, 1, 40)
-    record = ri.Signal(heights, np.cumsum(gaps)).resampled(1e-7)
-    start = rng.uniform(record.start, record.end - 6e-5)
+    times = np.cumsum(gaps)
+    record = ri.Signal(heights, times).resampled(1e-7)
+    last_start = record.end - 6e-5
+    start = rng.uniform(record.start, last_start)
     delay = rng.uniform(-1, 1) * 6e-4
     window = record.window(start, start + 6e-5)
     early = record.shifted(-delay)
 
+    wrong_bounds = (delay - 1e-4, delay - 1e-7)  # all below the true delay
+
     free = window.misfit(early)
-    bounded = window.misfit(early, shift=(delay - 1e-4, delay - 1e-7))
+    bounded = window.misfit(early, shift=wrong_bounds)
 
     assert free.shift == pytest.approx(delay, abs=1e-9)
     assert free.rms < 1e-6
@@ -162,7 +175,8 @@ def test_a_free_misfit_finds_shift_and_scale_in_any_unit():
     assert misfit.scale == pytest.approx(2.5, rel=1e-4)
     assert misfit.rms < 1e-4
     assert misfit.at_limit == ()
-    assert record.misfit(model.replace(unit="")).rms == misfit.rms
+    model_without_unit = model.replace(unit="")
+    assert record.misfit(model_without_unit).rms == misfit.rms
 
 
 def test_a_bounded_misfit_ends_at_the_bounds_next_to_shift_and_scale():
@@ -179,10 +193,14 @@ def test_a_bounded_misfit_ends_at_the_bounds_next_to_shift_and_scale():
 def test_a_misfit_with_known_shift_and_scale_is_the_rms_over_the_peak():
     record = trapezoid(unit="V")
 
-    misfit = record.misfit(record * 0.9, shift=0.0, scale=1.0)
+    weaker = record * 0.9
+    peak = 2.0  # V
+
+    misfit = record.misfit(weaker, shift=0.0, scale=1.0)
 
     rms_of_record = np.sqrt(np.mean(record.values**2))
-    assert misfit.rms == pytest.approx(0.1 * rms_of_record / 2, rel=1e-9)
+    rms_of_difference = 0.1 * rms_of_record
+    assert misfit.rms == pytest.approx(rms_of_difference / peak, rel=1e-9)
     assert misfit.shift == 0.0
     assert misfit.scale == 1.0
     assert misfit.at_limit == ()
@@ -207,7 +225,8 @@ def test_a_low_pass_has_its_transfer_function_and_keeps_a_constant(
         factor = transfer(filtered, burst, frequency)
         expected = transfer_function(frequency / cut_off)
         assert factor == pytest.approx(expected, abs=2e-4)
-    constant = ri.Signal(np.full(100, 3.0), dt=1e-6)
+    values = np.full(100, 3.0)
+    constant = ri.Signal(values, dt=1e-6)
     filtered = constant.low_pass(2e4, kind)
     np.testing.assert_allclose(filtered.values, 3.0, rtol=1e-12)
 
@@ -236,12 +255,15 @@ def test_a_gauge_averages_along_its_length():
     t = averaged.times
     is_in_rise = (t > 21e-6) & (t < 23e-6)
     values = averaged.values[is_in_rise]
-    np.testing.assert_allclose(values, pulse.values[is_in_rise], atol=1e-12)
+    expected = pulse.values[is_in_rise]
+    np.testing.assert_allclose(values, expected, atol=1e-12)
     # At the corner half of the time is before the rise, whose slope is 0.5e6 1/s.
     corner = np.argmin(np.abs(t - 20e-6))
-    triangle = 0.5e6 * (averaging_time / 2) ** 2 / 2
+    half_time = averaging_time / 2
+    triangle = 0.5e6 * half_time**2 / 2
     mean_at_corner = triangle / averaging_time
-    assert averaged.values[corner] == pytest.approx(mean_at_corner, rel=1e-9)
+    value_at_corner = averaged.values[corner]
+    assert value_at_corner == pytest.approx(mean_at_corner, rel=1e-9)
     assert by_short_gauge.values == pytest.approx(pulse.values, abs=1e-6)
 
 
@@ -279,19 +301,23 @@ def test_a_propagated_pulse_varies_smoothly_with_the_bar():
     propagated = []
     for speed in speeds:
         bar = ri.waves.Bar(speed, 0.29, 5e-3)
-        propagated.append(pulse.propagated(0.5, bar).values)
+        arrived = pulse.propagated(0.5, bar)
+        propagated.append(arrived.values)
     # The differences are [bar, sample].
     first_differences = np.diff(propagated, axis=0)
     second_differences = np.diff(first_differences, axis=0)
-    bound = 0.1 * np.abs(first_differences).max()
-    assert np.abs(second_differences).max() < bound
+    largest_first = np.abs(first_differences).max()
+    largest_second = np.abs(second_differences).max()
+    assert largest_second < 0.1 * largest_first
 
 
 def test_propagation_back_undoes_propagation():
     pulse = trapezoid(rise=20e-6).low_pass(60e3)
-    there = pulse.extended(1e-4, 1e-4).propagated(0.5, BAR)
+    longer = pulse.extended(1e-4, 1e-4)
+    there = longer.propagated(0.5, BAR)
     back = there.propagated(-0.5, BAR)
-    np.testing.assert_allclose(back.at(pulse.times), pulse.values, atol=1e-5)
+    values = back.at(pulse.times)
+    np.testing.assert_allclose(values, pulse.values, atol=1e-5)
 
 
 def test_a_propagated_record_begins_later_by_the_way_over_the_wave_speed():
@@ -313,13 +339,16 @@ def test_a_rod_is_a_bar_if_it_is_round_or_a_radius_is_given():
     steel = ri.materials.steel
     rod = ri.Rod(1.0, diameter=0.02, material=steel)
     bar = ri.waves.Bar.of(rod)
-    not_round = ri.Rod(1.0, area=rod.segments[0].area, material=steel)
+    area = rod.segments[0].area
+    not_round = ri.Rod(1.0, area=area, material=steel)
     pulse = trapezoid()
 
     propagated = pulse.propagated(0.2, rod)
+    by_bar = pulse.propagated(0.2, bar)
+    by_radius = pulse.propagated(0.2, not_round, radius=bar.radius)
 
-    assert propagated == pulse.propagated(0.2, bar)
-    assert propagated == pulse.propagated(0.2, not_round, radius=bar.radius)
+    assert propagated == by_bar
+    assert propagated == by_radius
 
 
 def test_an_extended_signal_repeats_its_first_and_its_last_value():
@@ -403,7 +432,8 @@ def test_a_bridge_makes_strain_of_volts_and_refuses_another_unit(
 
     ratio_of_voltages = 2.0 / gain / excitation
     plateau = strain_per_ratio * ratio_of_voltages / gauge_factor
-    assert strain.pulse().plateau == pytest.approx(plateau, rel=1e-12)
+    pulse = strain.pulse()
+    assert pulse.plateau == pytest.approx(plateau, rel=1e-12)
     assert strain.unit == ""
     assert strain.name == "a"
     message = "volts: must be a signal in V, got 'a' in pure numbers"
@@ -543,7 +573,8 @@ def test_mistakes_are_refused(call, said):
 # Several signals in one table or Dataset, and back
 
 RNG = default_rng(5)
-T = np.cumsum(RNG.uniform(0.99e-7, 1.01e-7, 500)) - 2e-5
+INTERVALS = RNG.uniform(0.99e-7, 1.01e-7, 500)
+T = np.cumsum(INTERVALS) - 2e-5
 UNITS = {
     "bar 1 (mV)": "V",
     "Länge/2": "",
