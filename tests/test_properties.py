@@ -25,7 +25,8 @@ any_row = pytest.mark.parametrize(
 
 def run(system, transits=15.0):
     """A solution until so many transits of the longest rod, or until the cap."""
-    return ri.solve(system, until=horizon(system, transits), max_events=CAP)
+    until = horizon(system, transits)
+    return ri.solve(system, until=until, max_events=CAP)
 
 
 def waves(solution, factor=1.0):
@@ -37,7 +38,8 @@ def waves(solution, factor=1.0):
     lines = []
     for wave in solution.fields.motion.lines:
         if wave:
-            lines.append((wave.ticks.tolist(), (factor * wave.values).tolist()))
+            values = factor * wave.values
+            lines.append((wave.ticks.tolist(), values.tolist()))
         else:
             lines.append(None)
     return lines
@@ -45,29 +47,34 @@ def waves(solution, factor=1.0):
 
 @given(SEEDS)
 def test_forces_and_gaps_are_never_negative_and_one_of_them_is_0_at_every_event(seed):
-    solution = run(random_system(seed, bonded=False))
+    system = random_system(seed, bonded=False)
+    solution = run(system)
     for contact in solution.contacts:
         _, force, gap = contact.breakpoints()
         assert (force >= 0).all()
         assert (gap >= 0).all()
-        assert (force * gap == 0).all()
+        product = force * gap
+        assert (product == 0).all()
 
 
 @given(SEEDS)
 def test_totals_of_contacts_agree_with_their_signals(seed):
     solution = run(random_system(seed))
     t_end = solution.t_end
-    for k, contact in enumerate(solution.contacts):
-        total = solution.outcome.contacts[k]
+    totals = solution.outcome.contacts
+    for contact, total in zip(solution.contacts, totals, strict=True):
         times, force, _ = contact.breakpoints()
-        spans = np.diff(np.append(times, t_end))  # each force lasts until the next
+        ends = np.append(times[1:], t_end)  # each force lasts until the next
+        spans = ends - times
         scale = np.sum(np.abs(force) * spans)
         impulse = contact.impulse_until(t_end)
-        assert impulse == pytest.approx(total.impulse, rel=1e-12, abs=1e-12 * scale)
+        round_off = 1e-12 * scale
+        assert impulse == pytest.approx(total.impulse, rel=1e-12, abs=round_off)
         if isinstance(contact.law, ri.Rigid):
             duration = spans[force > 0].sum()
-            near = pytest.approx(total.duration, rel=1e-12, abs=1e-12 * t_end)
-            assert duration == near
+            expected = total.duration
+            round_off = 1e-12 * t_end
+            assert duration == pytest.approx(expected, rel=1e-12, abs=round_off)
             assert force.max() == total.peak_force
             assert len(contact.episodes) == total.episodes
         else:
@@ -76,7 +83,8 @@ def test_totals_of_contacts_agree_with_their_signals(seed):
 
 @given(SEEDS)
 def test_velocities_after_are_those_of_the_centres_of_mass(seed):
-    solution = run(random_system(seed, bonded=False))
+    system = random_system(seed, bonded=False)
+    solution = run(system)
     for body, velocity in enumerate(solution.outcome.velocities_after):
         mean = float(solution.mean_velocity(body, solution.t_end))
         assert mean == pytest.approx(velocity, abs=1e-11)
@@ -89,12 +97,13 @@ def test_nothing_touches_after_the_proof_of_finality(row, seed):
     those that press on do so with a steady force.
     """
     system = row(seed, bodies=4)
-    assume(any(isinstance(law, ri.Rigid) for law in system.contacts))
+    is_rigid = [isinstance(law, ri.Rigid) for law in system.contacts]
+    assume(any(is_rigid))
     solution = ri.solve(system, method="fronts", max_events=CAP)
     assume(solution.final)
-    far = 4 * solution.t_end + horizon(system, 30)
+    much_later = 4 * solution.t_end + horizon(system, 30)
 
-    longer = ri.solve(system, far, method="fronts", max_events=10 * CAP)
+    longer = ri.solve(system, much_later, method="fronts", max_events=10 * CAP)
 
     just_after_proof = solution.t_proved * (1 + 1e-9)
     for contact in longer.contacts:
@@ -104,7 +113,8 @@ def test_nothing_touches_after_the_proof_of_finality(row, seed):
             assert episode.start <= just_after_proof
         times, force, _ = contact.breakpoints()
         forces_after_proof = force[times > just_after_proof]
-        assert (forces_after_proof == force[-1]).all()
+        last_force = force[-1]
+        assert (forces_after_proof == last_force).all()
 
 
 @any_row
@@ -117,7 +127,8 @@ def test_waves_of_a_mirror_image_are_exactly_mirrored(row, seed):
     solution = run(system)
     assume(solution.stopped_by == "until")
 
-    image = ri.solve(system.mirrored(), solution.t_end, max_events=CAP)
+    mirrored_system = system.mirrored()
+    image = ri.solve(mirrored_system, solution.t_end, max_events=CAP)
 
     # The lines from the left end on are those of the image from its right end on.
     lines = waves(solution)[2:]
@@ -126,7 +137,8 @@ def test_waves_of_a_mirror_image_are_exactly_mirrored(row, seed):
     image_impulses = [total.impulse for total in image.outcome.contacts]
     assert image.stopped_by == "until"
     assert image_lines[::-1] == lines
-    assert image_impulses[::-1] == pytest.approx(impulses, rel=1e-14)
+    mirrored_impulses = image_impulses[::-1]
+    assert mirrored_impulses == pytest.approx(impulses, rel=1e-14)
 
 
 def rescaled_profile(profile, length, velocity):
@@ -145,9 +157,10 @@ def rescaled(system, length=1.0, area=1.0, velocity=1.0, modulus=1.0, density=1.
     """
 
     def rescaled_segment(segment):
-        material = segment.material.replace(
-            youngs_modulus=modulus * segment.material.youngs_modulus,
-            density=density * segment.material.density,
+        material = segment.material
+        material = material.replace(
+            youngs_modulus=modulus * material.youngs_modulus,
+            density=density * material.density,
         )
         return segment.replace(
             length=length * segment.length,
@@ -158,10 +171,12 @@ def rescaled(system, length=1.0, area=1.0, velocity=1.0, modulus=1.0, density=1.
     bodies = []
     for body in system.bodies:
         if isinstance(body, ri.Wall):
-            bodies.append(ri.Wall(velocity * body.velocity))
+            wall = ri.Wall(velocity * body.velocity)
+            bodies.append(wall)
             continue
+        segments = [rescaled_segment(segment) for segment in body.segments]
         rod = ri.Rod(
-            segments=[rescaled_segment(segment) for segment in body.segments],
+            segments=segments,
             velocity=rescaled_profile(body.velocity, length, velocity),
             strain=rescaled_profile(body.strain, length, velocity),
         )
@@ -202,13 +217,15 @@ def split(system, i):
     """The system with the first segment of body i cut into two bonded halves."""
     rod = system.bodies[i]
     first, *others = rod.segments
-    half = ri.Segment(first.length / 2, first.area, first.material)
-    state = {"velocity": rod.velocity, "strain": rod.strain}
-    left = ri.Rod(segments=[half], **state)
-    right = ri.Rod(segments=[half, *others], **state)
-    bodies = [*system.bodies[:i], left, right, *system.bodies[i + 1 :]]
-    gaps = [*system.gaps[:i], 0.0, *system.gaps[i:]]
-    contacts = [*system.contacts[:i], ri.Bonded(), *system.contacts[i:]]
+    half = first.replace(length=first.length / 2)
+    left = rod.replace(segments=[half])
+    right = rod.replace(segments=[half, *others])
+    bodies = list(system.bodies)
+    bodies[i : i + 1] = [left, right]  # in place of the rod
+    gaps = list(system.gaps)
+    gaps.insert(i, 0.0)
+    contacts = list(system.contacts)
+    contacts.insert(i, ri.Bonded())
     return ri.System(bodies, gaps, contacts)
 
 
@@ -222,11 +239,13 @@ def test_a_rod_that_is_cut_and_bonded_again_moves_as_before(seed):
     assume(not isinstance(rod.strain, ri.Steps))
 
     whole = run(system, transits=6.0)
-    in_halves = ri.solve(split(system, i), whole.t_end, max_events=2 * CAP)
+    cut_system = split(system, i)
+    in_halves = ri.solve(cut_system, whole.t_end, max_events=2 * CAP)
 
     velocities = list(in_halves.outcome.velocities_after)
     del velocities[i]  # that of one half; the other has the same
-    assert velocities == pytest.approx(whole.outcome.velocities_after, abs=1e-11)
+    expected = whole.outcome.velocities_after
+    assert velocities == pytest.approx(expected, abs=1e-11)
 
 
 @any_row
@@ -236,12 +255,14 @@ def test_a_run_from_a_state_in_between_ends_with_the_same_velocities(row, seed, 
     until = horizon(system, 8)
     whole = ri.solve(system, until, max_events=CAP)
     assume(whole.stopped_by == "until")
-    t = part * until
+    pause = part * until
 
-    second_part = ri.solve(whole.system_at(t), until - t, max_events=2 * CAP)
+    state = whole.system_at(pause)
+    second_part = ri.solve(state, until - pause, max_events=2 * CAP)
 
+    end = second_part.t_end
     for body in range(len(system.bodies)):
-        velocity = float(second_part.mean_velocity(body, second_part.t_end))
+        velocity = float(second_part.mean_velocity(body, end))
         expected = float(whole.mean_velocity(body, until))
         assert velocity == pytest.approx(expected, abs=1e-10)
 
@@ -264,7 +285,8 @@ def test_the_film_backwards_comes_to_the_reversed_velocities_without_vibration(s
         if closed_after_a_gap:
             vibration_rtol = 1e-9
 
-    reversed_end = forward.system_at(forward.t_end).reversed()
+    end = forward.system_at(forward.t_end)
+    reversed_end = end.reversed()
     back = ri.solve(reversed_end, forward.t_end, max_events=CAP)
 
     for body, velocity in enumerate(forward.outcome.velocities_before):

@@ -39,7 +39,8 @@ class Collisions(NamedTuple):
 def collisions():
     """`Collisions` of masses from 1 mg to 1000 t; the faster body is on the left."""
     rng = default_rng(1)
-    m1, m2 = 10.0 ** rng.uniform(-6, 6, size=(2, 10_000))
+    exponents = rng.uniform(-6, 6, size=(2, 10_000))
+    m1, m2 = 10.0**exponents
     velocities = rng.normal(scale=10.0, size=(2, 10_000))
     v2, v1 = np.sort(velocities, axis=0)
     restitution = rng.uniform(-1, 1, size=10_000)
@@ -56,9 +57,12 @@ def test_momentum_is_kept_and_the_impulse_is_the_change_of_either_momentum(colli
     magnitudes_before = m1 * abs(v1) + m2 * abs(v2)
     magnitudes_after = m1 * abs(w1) + m2 * abs(w2)
     round_off = 4 * EPS * (magnitudes_before + magnitudes_after)
-    assert np.all(abs(momentum_after - momentum_before) <= round_off)
-    assert np.all(abs(m2 * (w2 - v2) - after.impulse) <= round_off)
-    assert np.all(abs(m1 * (v1 - w1) - after.impulse) <= round_off)
+    gained_momentum = momentum_after - momentum_before
+    change_of_second = m2 * (w2 - v2)
+    change_of_first = m1 * (v1 - w1)
+    assert np.all(abs(gained_momentum) <= round_off)
+    assert np.all(abs(change_of_second - after.impulse) <= round_off)
+    assert np.all(abs(change_of_first - after.impulse) <= round_off)
 
 
 def test_energy_is_never_gained_and_what_is_lost_is_the_difference(collisions):
@@ -67,7 +71,8 @@ def test_energy_is_never_gained_and_what_is_lost_is_the_difference(collisions):
     round_off = 8 * EPS * after.energy_before
     assert np.all(difference >= -round_off)
     assert np.all(after.energy_lost >= 0)
-    assert np.all(abs(difference - after.energy_lost) <= round_off)
+    unexplained = difference - after.energy_lost
+    assert np.all(abs(unexplained) <= round_off)
 
 
 @given(MASS, VELOCITY, MASS, VELOCITY, RESTITUTION)
@@ -85,8 +90,10 @@ def test_velocities_after_are_the_same_in_a_moving_frame(m1, v1, m2, v2, e, u):
     assume(v1 - v2 > 1e-3)
     after = rigid.collide(m1, v1, m2, v2, e)
     moving = rigid.collide(m1, v1 + u, m2, v2 + u, e)
-    assert moving.velocity_1 - u == pytest.approx(after.velocity_1, abs=1e-12)
-    assert moving.velocity_2 - u == pytest.approx(after.velocity_2, abs=1e-12)
+    velocity_1 = moving.velocity_1 - u
+    velocity_2 = moving.velocity_2 - u
+    assert velocity_1 == pytest.approx(after.velocity_1, abs=1e-12)
+    assert velocity_2 == pytest.approx(after.velocity_2, abs=1e-12)
 
 
 @given(MASS, VELOCITY, MASS, VELOCITY, RESTITUTION)
@@ -94,8 +101,10 @@ def test_a_collision_is_the_same_in_a_mirror(m1, v1, m2, v2, e):
     assume(v1 - v2 > 1e-3)
     after = rigid.collide(m1, v1, m2, v2, e)
     mirror = rigid.collide(m2, -v2, m1, -v1, e)  # body 2 is on the left in it
-    assert -mirror.velocity_2 == pytest.approx(after.velocity_1, abs=1e-12)
-    assert -mirror.velocity_1 == pytest.approx(after.velocity_2, abs=1e-12)
+    velocity_1 = -mirror.velocity_2
+    velocity_2 = -mirror.velocity_1
+    assert velocity_1 == pytest.approx(after.velocity_1, abs=1e-12)
+    assert velocity_2 == pytest.approx(after.velocity_2, abs=1e-12)
     assert mirror.impulse == pytest.approx(after.impulse)
     assert mirror.energy_lost == pytest.approx(after.energy_lost)
 
@@ -137,8 +146,10 @@ def test_a_moving_wall_keeps_its_velocity_and_has_infinite_energy():
 def test_a_stack_of_light_balls_tends_to_the_square_of_two_to_the_n_less_one(n):
     """Its top is thrown to that many times the height of the drop."""
     masses = 1e-9 ** np.arange(n)  # from below, each much lighter than the last
-    drop = rigid.stack_drop(masses, restitutions=np.ones(n), height=1.0)
-    assert drop.top_height == pytest.approx((2**n - 1) ** 2, rel=1e-6)
+    restitutions = np.ones(n)
+    drop = rigid.stack_drop(masses, restitutions, height=1.0)
+    velocity_ratio = 2**n - 1
+    assert drop.top_height == pytest.approx(velocity_ratio**2, rel=1e-6)
 
 
 def test_a_stack_is_a_row_of_collisions():
@@ -150,13 +161,15 @@ def test_a_stack_is_a_row_of_collisions():
     v = math.sqrt(2 * g * height)
     thrown_back = 0.9 * v
     first = rigid.collide(m1=3.0, v1=thrown_back, m2=2.0, v2=-v, restitution=0.8)
-    second = rigid.collide(m1=2.0, v1=first.velocity_2, m2=1.0, v2=-v, restitution=0.7)
+    after_first = first.velocity_2
+    second = rigid.collide(m1=2.0, v1=after_first, m2=1.0, v2=-v, restitution=0.7)
     expected = [first.velocity_1, second.velocity_1, second.velocity_2]
 
     drop = rigid.stack_drop([3.0, 2.0, 1.0], [0.9, 0.8, 0.7], height)
 
     assert drop.velocities == pytest.approx(expected)
-    assert drop.top_height == pytest.approx(second.velocity_2**2 / (2 * g))
+    top_height = second.velocity_2**2 / (2 * g)
+    assert drop.top_height == pytest.approx(top_height)
 
 
 # Shapes
@@ -167,16 +180,21 @@ def test_a_small_gap_makes_stacked_balls_collide_one_after_another():
     """As `stack_drop` computes them; the tutorial and both helps say so."""
     masses = [0.6, 0.06]
     laws = [ri.Rigid(restitution=0.9), ri.Rigid(restitution=0.6)]
-    balls = [ri.Wall(), *[ri.RigidMass(mass) for mass in masses]]
-    system = ri.System(balls, [1.0, 1e-6], laws, gravity=-9.81)
+    first = ri.RigidMass(masses[0])
+    second = ri.RigidMass(masses[1])
+    gaps = [1.0, 1e-6]
+    system = ri.System([ri.Wall(), first, second], gaps, laws, gravity=-9.81)
 
     solution = ri.solve(system, until=0.5)
-    after = solution.contacts[1].episodes[0].start + 1e-6  # s
+    first_episode, *_ = solution.contacts[1].episodes
+    after = first_episode.start + 1e-6  # s
     velocity = solution.velocity(2, x=0.0, t=after)
 
-    expected = rigid.stack_drop(masses, [0.9, 0.6], height=1.0).velocities[-1]
+    drop = rigid.stack_drop(masses, [0.9, 0.6], height=1.0)
+    *_, expected = drop.velocities  # of the top
     assert velocity == pytest.approx(expected, rel=1e-4)
-    tutorial = Path(__file__).parent.parent / "docs" / "student.md"
+    docs = Path(__file__).parent.parent / "docs"
+    tutorial = docs / "student.md"
     assert "gaps=[1.0, 1e-6]" in tutorial.read_text()
     assert "gaps=[1.0, 1e-6]" in rigid.stack_drop.__doc__
     assert "touch at the same time are solved together" in ri.System.__doc__

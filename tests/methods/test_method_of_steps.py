@@ -24,6 +24,11 @@ A longer one makes the duration of a force ill-conditioned.
 """
 
 
+def by_characteristics(system, until, rtol=None):
+    """The solution by characteristics to `until`, s."""
+    return ri.solve(system, until=until, method="characteristics", rtol=rtol)
+
+
 def rows(count, usual):
     """Pairs of a kind and a seed, `count` of each kind, of which the first `usual` run
     always.
@@ -62,7 +67,8 @@ def errors_of(solution, by_steps):
     errors = {}
     for name, exact in exact_measures.items():
         # A contact that never presses has no first time: both must have none.
-        values = np.nan_to_num(np.asarray(measures[name], dtype=float), nan=-1.0)
+        values = np.array(measures[name], dtype=float)
+        values = np.nan_to_num(values, nan=-1.0)
         exact = np.nan_to_num(exact, nan=-1.0)
         scale = float(np.abs(exact).max())
         if name == "velocity":
@@ -82,7 +88,7 @@ def test_random_rows_are_right_to_the_stated_error(row):
     """Or to the errors of the method of steps, where these are larger."""
     system, until, by_steps = solved_by_steps(*row)
 
-    solution = ri.solve(system, until=until, method="characteristics")
+    solution = by_characteristics(system, until)
 
     is_ill_conditioned = by_steps.faint.max() > MAX_FAINT_TIME
     for name, error in errors_of(solution, by_steps).items():
@@ -103,15 +109,16 @@ def test_two_runs_that_miss_a_peak_alike_do_not_hide_its_error(seed, rtol):
     pieces.
     """
     system, until = random_compliant_row("dashpot", seed)
-    exact = ri.solve(system, until=until, method="characteristics", rtol=1e-13)
+    exact = by_characteristics(system, until, rtol=1e-13)
 
-    solution = ri.solve(system, until=until, method="characteristics", rtol=rtol)
+    solution = by_characteristics(system, until, rtol=rtol)
 
     peaks = np.array([c.peak_force for c in solution.run.contacts])
     exact_peaks = np.array([c.peak_force for c in exact.run.contacts])
-    error = np.abs(peaks - exact_peaks).max() / exact_peaks.max()
-    stated = solution.accuracy["peak force"] + exact.accuracy["peak force"]
-    assert error <= stated
+    errors = np.abs(peaks - exact_peaks)
+    error = errors.max() / exact_peaks.max()
+    stated_by_both = solution.accuracy["peak force"] + exact.accuracy["peak force"]
+    assert error <= stated_by_both
 
 
 @pytest.mark.exhaustive
@@ -120,9 +127,10 @@ def test_half_of_the_stated_errors_of_velocities_are_below_100_times_the_true_on
     for kind in KINDS:
         for seed in range(4):
             system, until, by_steps = solved_by_steps(kind, seed)
-            solution = ri.solve(system, until=until, method="characteristics")
+            solution = by_characteristics(system, until)
+            stated = solution.accuracy["velocity"]
             error = errors_of(solution, by_steps)["velocity"]
-            ratios.append(solution.accuracy["velocity"] / max(error, 1e-15))
+            ratios.append(stated / max(error, 1e-15))
     assert np.median(ratios) < 100
 
 
@@ -134,11 +142,10 @@ def touching_rods(*contacts):
     """Three rods that touch; the right one strikes the middle one, whose transit time
     is 0.73 s.
     """
-    rods = [
-        unit_rod(0.8),
-        unit_rod(0.73),
-        unit_rod(0.36, area=0.85, velocity=-1.0),
-    ]
+    left = unit_rod(0.8)
+    middle = unit_rod(0.73)
+    right = unit_rod(0.36, area=0.85, velocity=-1.0)
+    rods = [left, middle, right]
     return ri.System(rods, contacts=contacts)
 
 
@@ -154,29 +161,36 @@ def test_no_force_acts_before_a_wave_can_arrive(first, exponent, stiffness):
     rods = touching_rods(first_law, law)
     arrival = 0.73  # transit time of the middle rod
 
-    solution = ri.solve(rods, until=6.0, method="characteristics")
+    solution = by_characteristics(rods, 6.0)
 
-    assert solution.run.contacts[0].first == pytest.approx(arrival, abs=1e-12)
-    before = np.linspace(0.0, arrival, 4001)[:-1]
-    assert not np.any(solution.contacts[0].force(before))
-    assert not np.any(solution.velocity(0, 0.4, before))
+    contact = solution.run.contacts[0]
+    assert contact.first == pytest.approx(arrival, abs=1e-12)
+    before = np.linspace(0.0, arrival, 4001)[:-1]  # without the time of arrival
+    force = solution.contacts[0].force(before)
+    assert not np.any(force)
+    velocity = solution.velocity(0, 0.4, before)
+    assert not np.any(velocity)
 
 
 def test_a_drive_that_starts_late_and_softly_moves_nothing_before():
     start = 1.0  # s
     to_contact = 0.5  # transit time of the first rod
     times = np.linspace(0.0, 3.0, 301)
-    force = np.where(times > start, (times - start) ** 4, 0.0)
-    push = ri.Pushed(ri.Samples(force, step=0.01))
+    since_start = np.maximum(times - start, 0.0)
+    force = ri.Samples(since_start**4, step=0.01)
     rod = unit_rod(0.5)
-    row = ri.System([rod, rod], contacts=[ri.Hertz(3.0)], ends=[push, ri.Free()])
+    ends = [ri.Pushed(force), ri.Free()]
+    row = ri.System([rod, rod], contacts=[ri.Hertz(3.0)], ends=ends)
 
-    solution = ri.solve(row, until=3.0, method="characteristics")
+    solution = by_characteristics(row, 3.0)
 
     first = solution.run.contacts[0].first
-    assert first == pytest.approx(start + to_contact, abs=1e-9)
-    before_middle = np.linspace(0.0, start + to_contact / 2 - 0.001, 1000)
-    assert not np.any(solution.velocity(0, 0.25, before_middle))
+    arrival = start + to_contact
+    assert first == pytest.approx(arrival, abs=1e-9)
+    arrival_at_middle = start + to_contact / 2
+    before_middle = np.linspace(0.0, arrival_at_middle - 0.001, 1000)
+    velocity = solution.velocity(0, 0.25, before_middle)
+    assert not np.any(velocity)
 
 
 def test_a_force_that_grows_slowly_begins_when_the_contact_closes():
@@ -186,11 +200,12 @@ def test_a_force_that_grows_slowly_begins_when_the_contact_closes():
     system, until = random_compliant_row("dashpot", 4)
     arrival = system.bodies[1].transit_time
 
-    solution = ri.solve(system, until=until, method="characteristics")
+    solution = by_characteristics(system, until)
 
     contact = solution.run.contacts[1]
     assert contact.first == pytest.approx(arrival, abs=1e-12)
-    assert contact.duration == pytest.approx(until - arrival, abs=1e-12)
+    duration = until - arrival
+    assert contact.duration == pytest.approx(duration, abs=1e-12)
 
 
 def test_a_contact_that_presses_for_a_moment_is_not_missed():
@@ -198,7 +213,7 @@ def test_a_contact_that_presses_for_a_moment_is_not_missed():
     system, until = random_compliant_row("dashpot", 7)
     time_of_second_jump = 2.8365247256  # s
 
-    solution = ri.solve(system, until=until, method="characteristics")
+    solution = by_characteristics(system, until)
 
     last = solution.run.contacts[0].last
     assert last == pytest.approx(time_of_second_jump, abs=1e-9)
@@ -211,25 +226,29 @@ def test_a_contact_that_presses_for_a_moment_is_not_missed():
 @pytest.mark.parametrize("row", rows(20, 1))
 def test_no_contact_pulls_and_impulses_are_those_of_forces_and_of_momenta(row):
     system, until = random_compliant_row(*row)
-    solution = ri.solve(system, until=until, method="characteristics")
+    solution = by_characteristics(system, until)
 
     times = np.linspace(0.0, until, 20_001)
     end = solution.fields.to_ticks(until)
+    tick = solution.fields.clock.tick
     for contact in solution.contacts:
         assert contact.force(times).min() >= 0.0
-        impulse = contact.push.integral(0, end) * solution.fields.clock.tick
-        assert impulse == pytest.approx(contact.impulse, rel=1e-12, abs=1e-14)
+        impulse = contact.push.integral(0, end) * tick
+        expected = contact.impulse
+        assert impulse == pytest.approx(expected, rel=1e-12, abs=1e-14)
 
     momentum_gained = 0.0  # by all bodies, of which a wall gains what the last presses
     mass = 0.0  # of all bodies but walls
     velocities_after = solution.outcome.velocities_after
     for body, velocity in zip(system.bodies, velocities_after, strict=True):
         if isinstance(body, ri.Wall):
-            momentum_gained += solution.contacts[-1].impulse
+            last_contact = solution.contacts[-1]
+            momentum_gained += last_contact.impulse
         else:
-            momentum_gained += body.mass * (velocity - body.velocity)
+            velocity_change = velocity - body.velocity
+            momentum_gained += body.mass * velocity_change
             mass += body.mass
-    stated = solution.accuracy["velocity"] * solution.fields.clock.scale
+    stated = velocity_error(solution)
     assert abs(momentum_gained) <= 2 * mass * stated + 1e-14
 
 
@@ -238,7 +257,7 @@ def test_the_end_of_a_rod_is_never_in_tension_where_it_touches(exponent):
     law = ri.PowerLaw(0.6, exponent=exponent)
     system = touching_rods(law, law)
 
-    solution = ri.solve(system, until=6.0, method="characteristics")
+    solution = by_characteristics(system, 6.0)
 
     times = np.linspace(0.0, 6.0, 20_001)
     peak = solution.contacts[0].peak_force
@@ -255,14 +274,15 @@ def test_a_run_that_goes_on_is_as_exact_as_one_that_does_not_stop(row):
     """Velocities of both differ by what they state, and by little."""
     system, until = random_compliant_row(*row)
     half = until / 2
-    whole = ri.solve(system, until=until, method="characteristics", rtol=1e-10)
+    whole = by_characteristics(system, until, rtol=1e-10)
 
-    first_part = ri.solve(system, until=half, method="characteristics", rtol=1e-10)
+    first_part = by_characteristics(system, half, rtol=1e-10)
     state = first_part.system_at(half)
-    second_part = ri.solve(state, until=half, method="characteristics", rtol=1e-10)
+    second_part = by_characteristics(state, half, rtol=1e-10)
 
     velocities = np.array(second_part.outcome.velocities_after)
-    error = np.abs(velocities - whole.outcome.velocities_after).max()
+    expected = whole.outcome.velocities_after
+    error = np.abs(velocities - expected).max()
     stated = velocity_error(whole) + velocity_error(second_part)
     scale = whole.fields.clock.scale
     assert error <= stated + 1e-12 * scale
@@ -277,13 +297,14 @@ def velocity_error(solution):
 @pytest.fixture(scope="module")
 def solved():
     """A run of three rods with Hertz contacts until t = 2."""
-    rods = touching_rods(ri.Hertz(30.0), ri.Hertz(30.0))
-    return ri.solve(rods, until=2.0, method="characteristics")
+    law = ri.Hertz(30.0)
+    rods = touching_rods(law, law)
+    return by_characteristics(rods, 2.0)
 
 
 def test_a_state_carries_the_stated_error_of_its_run_on(solved):
     state = solved.system_at(1.0)
-    second_part = ri.solve(state, until=1.0, method="characteristics")
+    second_part = by_characteristics(state, 1.0)
 
     velocity = state.bodies[1].velocity
     assert isinstance(velocity, ri.Polynomials)
@@ -294,9 +315,11 @@ def test_a_state_carries_the_stated_error_of_its_run_on(solved):
 def test_a_state_is_written_and_read_again_and_mirrored_twice_itself(solved):
     state = solved.system_at(1.0)
 
-    read_again = ri.parse_case(ri.format_case(state)).system
+    text = ri.format_case(state)
+    read_again = ri.parse_case(text).system
     mirrored_twice = state.mirrored().mirrored()
 
     assert read_again == state
     velocity = state.bodies[0].velocity
-    assert mirrored_twice.bodies[0].velocity.at == pytest.approx(velocity.at)
+    velocity_of_mirrored = mirrored_twice.bodies[0].velocity
+    assert velocity_of_mirrored.at == pytest.approx(velocity.at)

@@ -51,7 +51,8 @@ def test_steps_have_their_values_on_both_sides_of_ticks_and_their_integrals(
     signal = signal_of(steps)
 
     assert signal.at(t) == value_at(steps, t)
-    assert signal.at(t, "left") == value_at(steps, t - 1)
+    value_before = value_at(steps, t - 1)
+    assert signal.at(t, "left") == value_before
     assert signal.integral(low, high) == exact
     assert signal.integral(high, low) == -exact
 
@@ -68,7 +69,8 @@ def test_integrals_of_products_of_steps_are_sums_over_ticks(
         value = value_at(first, k)
         exact += value * value_at(second, k)
         # From tick k to k + 1 the other runs backwards from about - k to about - k - 1.
-        exact_backwards += value * value_at(second, about - k - 1)
+        value_backwards = value_at(second, about - k - 1)
+        exact_backwards += value * value_backwards
 
     f = signal_of(first)
     g = signal_of(second)
@@ -92,14 +94,17 @@ def random_pieces(seed, size=9, count=6):
     """
     rng = default_rng(seed)
     durations = rng.integers(3, 1 << 30, count)
-    times = np.concatenate(([0], np.cumsum(durations)))
+    times = np.append(0, np.cumsum(durations))
     decay = (1 + np.arange(size)) ** 2  # high degrees matter less, as in smooth signals
     coefficients = rng.normal(size=(count, size)) / decay
     polynomials = []
-    for c, (begin, end) in zip(coefficients, pairwise(times), strict=True):
-        polynomials.append(Chebyshev(c, domain=[float(begin), float(end)]))
-    ticks = LATE + times
-    return Pieces(ticks[:-1], coefficients, ticks[-1]), polynomials
+    spans = pairwise(times)
+    for c, (begin, end) in zip(coefficients, spans, strict=True):
+        domain = [float(begin), float(end)]
+        polynomials.append(Chebyshev(c, domain=domain))
+    *begins, end = LATE + times
+    signal = Pieces(np.array(begins), coefficients, end)
+    return signal, polynomials
 
 
 def exact_value(polynomials, t):
@@ -115,14 +120,16 @@ def exact_value(polynomials, t):
 def breaks_of(polynomials):
     """Times at which the polynomials begin, and the end of the last, from LATE on."""
     begins = [p.domain[0] for p in polynomials]
-    return [*begins, polynomials[-1].domain[1]]
+    end = polynomials[-1].domain[1]
+    return [*begins, end]
 
 
 def integrated(function, start, stop, breaks):
     """Integral from start to stop by SciPy, from break to break."""
     inside = [t for t in breaks if start < t < stop]
     total = 0.0
-    for low, high in pairwise(sorted({start, *inside, stop})):
+    edges = sorted({start, *inside, stop})
+    for low, high in pairwise(edges):
         integral, _ = quad(function, low, high, epsabs=0, epsrel=1e-12)
         total += integral
     return total
@@ -132,8 +139,11 @@ def integrated(function, start, stop, breaks):
 def test_values_of_polynomials_are_those_of_numpy(seed):
     signal, polynomials = random_pieces(seed)
     rng = default_rng(seed)
-    ticks = rng.integers(signal.ticks[0] - 1000, signal.end + 1000, 50)  # outside, too
-    expected = [exact_value(polynomials, float(t - LATE)) for t in ticks]
+    low = signal.ticks[0] - 1000  # before the first piece
+    high = signal.end + 1000  # after the last
+    ticks = rng.integers(low, high, 50)
+    times = [float(t - LATE) for t in ticks]
+    expected = [exact_value(polynomials, t) for t in times]
     assert signal.at(ticks) == pytest.approx(expected, abs=1e-13)
 
 
@@ -142,10 +152,13 @@ def test_polynomials_have_two_sides_at_breaks(seed):
     signal, polynomials = random_pieces(seed)
     at_begins = [p(p.domain[0]) for p in polynomials]
     at_ends = [p(p.domain[1]) for p in polynomials]
-    before = signal.at(signal.ticks[1:], "left")
+    breaks = signal.ticks[1:]
+    before = signal.at(breaks, "left")
+    after = signal.values[1:]
     assert signal.values == pytest.approx(at_begins, abs=1e-13)
     assert before == pytest.approx(at_ends[:-1], abs=1e-13)
-    assert np.abs(before - signal.values[1:]).min() > 1e-3  # the two sides differ
+    jumps = np.abs(before - after)
+    assert jumps.min() > 1e-3  # the two sides differ
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -186,25 +199,31 @@ def test_integrals_of_polynomials_and_of_their_products_are_those_of_scipy(seed)
     breaks = breaks_of_f + breaks_backwards
     mean = integrated(product_backwards_at, low, high, breaks) / span
     product = f * g.time_reversed(start + stop)
-    assert product.integral(start, stop) / span == pytest.approx(mean, abs=1e-12)
+    mean_of_product = product.integral(start, stop) / span
+    assert mean_of_product == pytest.approx(mean, abs=1e-12)
 
 
 @pytest.mark.parametrize("size", [1, 2, 9])
 def test_difference_product_delay_sum_and_multiple_have_their_values(size):
     f, _ = random_pieces(1, size=size)
     g, _ = random_pieces(2, count=3)  # with other breaks and another degree
-    ticks = default_rng(3).integers(f.ticks[0], min(f.end, g.end), 40)
+    rng = default_rng(3)
+    first_end = min(f.end, g.end)
+    ticks = rng.integers(f.ticks[0], first_end, 40)
     of_f = f.at(ticks)
     of_g = g.at(ticks)
 
     difference = f - g
     product = f * g
-    changed = f.delayed(5).plus(2.0).times(3.0)
+    delayed = f.delayed(5)
+    changed = delayed.plus(2.0).times(3.0)
 
-    assert difference.at(ticks) == pytest.approx(of_f - of_g, abs=1e-13)
-    assert product.at(ticks) == pytest.approx(of_f * of_g, abs=1e-13)
-    expected = 3 * (of_f + 2)
-    assert changed.at(ticks + 5) == pytest.approx(expected, abs=1e-13)
+    expected_difference = of_f - of_g
+    expected_product = of_f * of_g
+    expected_changed = 3 * (of_f + 2)
+    assert difference.at(ticks) == pytest.approx(expected_difference, abs=1e-13)
+    assert product.at(ticks) == pytest.approx(expected_product, abs=1e-13)
+    assert changed.at(ticks + 5) == pytest.approx(expected_changed, abs=1e-13)
 
 
 @pytest.mark.parametrize("size", [1, 2, 9])
@@ -216,15 +235,18 @@ def test_a_part_of_a_signal_has_its_values(size):
     part = signal.within(start, stop)
 
     assert len(part.ticks) < len(signal.ticks)
-    ticks = default_rng(3).integers(start, stop + 1, 40)
-    assert np.array_equal(part.at(ticks), signal.at(ticks))
+    rng = default_rng(3)
+    ticks = rng.integers(start, stop + 1, 40)
+    values_of_part = part.at(ticks)
+    assert np.array_equal(values_of_part, signal.at(ticks))
 
 
 def test_straight_lines_between_marks_follow_a_signal():
     signal, _ = random_pieces(5)
     marks = signal.marks
     at_marks = signal.at(marks)
-    ticks = default_rng(5).integers(signal.ticks[0], signal.end, 2000)
+    rng = default_rng(5)
+    ticks = rng.integers(signal.ticks[0], signal.end, 2000)
 
     # Ticks as late as these are subtracted as integers: floats would round them.
     times = (ticks - LATE).astype(float)
@@ -233,15 +255,18 @@ def test_straight_lines_between_marks_follow_a_signal():
 
     # The bound of `marks` is on the sum of the coefficients, which exceeds the range.
     errors = np.abs(lines - signal.at(ticks))
-    assert errors.max() < 2 * LINE_RTOL * np.ptp(at_marks)
+    scale = np.ptp(at_marks)
+    assert errors.max() < 2 * LINE_RTOL * scale
     # A line over one of n parts of a piece misses it by about its bend/(2 n^2). The
     # bends of these pieces are up to some 10 ranges of the signal.
     most_parts = 4 / np.sqrt(LINE_RTOL)  # of a piece
-    assert len(marks) < most_parts * len(signal.ticks)
+    n_pieces = len(signal.ticks)
+    assert len(marks) < most_parts * n_pieces
 
 
 def test_a_constant_signal_needs_no_marks_but_its_breaks():
-    constant = Pieces([0, 3], [[1.0, 0.0], [1.0, 0.0]], 9)
+    one = [1.0, 0.0]  # a constant, as a polynomial of degree 1
+    constant = Pieces([0, 3], [one, one], 9)
     assert constant.marks.tolist() == [0, 3, 9]
 
 
@@ -252,10 +277,13 @@ def test_what_acts_for_a_moment_does_not_gather_round_off_afterwards():
     force = np.zeros((count, 1))  # constant pieces
     force[7] = 0.1
     end = count * width
-    signal = Pieces(np.arange(count) * width, force)
+    starts = np.arange(count) * width
+    signal = Pieces(starts, force)
     impulse = 0.1 * width
-    time_since = end - 7.5 * width  # since the middle of the piece in which it acts
+    middle = 7.5 * width  # of the piece in which it acts
+    time_since = end - middle
 
     integral = signal.integrated_twice(end)
 
-    assert integral == pytest.approx(impulse * time_since, rel=1e-14)
+    expected = impulse * time_since
+    assert integral == pytest.approx(expected, rel=1e-14)

@@ -17,13 +17,18 @@ METHOD = "characteristics"
 EXACT_RTOL = 1e-13  # tolerance of the finer run
 
 
+def by_characteristics(system, until, rtol=None):
+    """The solution by characteristics to `until`, s."""
+    return ri.solve(system, until=until, method=METHOD, rtol=rtol)
+
+
 def row_of(kind, seed):
     """A random row, and the time to which to run it, s."""
-    if kind == "network":
-        return random_network(seed, bodies=4), 2.0
-    if kind == "driven network":
-        return random_network(seed, bodies=4, driven=True), 2.0
-    return random_compliant_row(kind, seed)
+    if kind not in ("network", "driven network"):
+        return random_compliant_row(kind, seed)
+    driven = kind == "driven network"
+    system = random_network(seed, bodies=4, driven=driven)
+    return system, 2.0
 
 
 def measures_of(solution):
@@ -35,7 +40,8 @@ def measures_of(solution):
             contacts.append(solution.run.contacts[i])
             episodes = solution.contacts[i].episodes
             if episodes:
-                last_openings.append(episodes[-1].opening)
+                last_episode = episodes[-1]
+                last_openings.append(last_episode.opening)
     firsts = [c.first for c in contacts]
     lasts = [c.last for c in contacts]
     times = [*firsts, *lasts, *last_openings]
@@ -46,7 +52,10 @@ def measures_of(solution):
         "duration": [c.duration for c in contacts],
         "time": times,
     }
-    return {name: np.nan_to_num(value) for name, value in values.items()}
+    measures = {}
+    for name, value in values.items():
+        measures[name] = np.nan_to_num(value)
+    return measures
 
 
 class MeasureError(NamedTuple):
@@ -72,9 +81,10 @@ def errors_of(solution, exact):
 
 def assert_bounded(system, until, rtol):
     """Errors of a run, beside a finer one, are at most what both runs state."""
-    solution = ri.solve(system, until=until, method=METHOD, rtol=rtol)
-    exact = ri.solve(system, until=until, method=METHOD, rtol=EXACT_RTOL)
-    for name, (error, scale) in errors_of(solution, exact).items():
+    solution = by_characteristics(system, until, rtol)
+    exact = by_characteristics(system, until, EXACT_RTOL)
+    errors = errors_of(solution, exact)
+    for name, (error, scale) in errors.items():
         stated = solution.accuracy[name] + exact.accuracy[name]
         assert error <= stated * scale, name
 
@@ -98,15 +108,18 @@ def test_half_of_the_stated_errors_are_near_the_true_ones(seeds):
     ratios = {name: [] for name in MEDIANS}
     for kind, seed in product(KINDS, seeds):
         system, until = random_compliant_row(kind, seed)
-        solution = ri.solve(system, until=until, method=METHOD)
-        exact = ri.solve(system, until=until, method=METHOD, rtol=EXACT_RTOL)
-        for name, (error, scale) in errors_of(solution, exact).items():
+        solution = by_characteristics(system, until)
+        exact = by_characteristics(system, until, EXACT_RTOL)
+        errors = errors_of(solution, exact)
+        for name, (error, scale) in errors.items():
             if scale > 0:
                 relative_error = max(error / scale, LEAST_ERROR)
-                ratios[name].append(solution.accuracy[name] / relative_error)
+                ratio = solution.accuracy[name] / relative_error
+                ratios[name].append(ratio)
 
     for name, largest in MEDIANS.items():
-        assert np.median(ratios[name]) <= largest, name
+        median = np.median(ratios[name])
+        assert median <= largest, name
 
 
 ONCE_UNSEEN = {  # kind and seed of the row, and rtol
@@ -150,13 +163,15 @@ def test_a_spring_whose_force_ends_before_it_opens_states_the_difference():
     """Its last piece has a force that counts as none, for the overlap is too small."""
     system, until = random_compliant_row("power", 34)
 
-    solution = ri.solve(system, until=until, method=METHOD, rtol=EXACT_RTOL)
+    solution = by_characteristics(system, until, EXACT_RTOL)
 
     end_of_force = solution.run.contacts[0].last
-    opening = solution.contacts[0].episodes[-1].opening
+    last_episode = solution.contacts[0].episodes[-1]
+    opening = last_episode.opening
     difference = opening - end_of_force
     assert 0 < difference < 1e-5
-    largest_time = measures_of(solution)["time"].max()
+    times = measures_of(solution)["time"]
+    largest_time = times.max()
     stated = solution.accuracy["time"] * largest_time
     assert difference <= stated < 1e-2
 
@@ -167,11 +182,12 @@ def test_bodies_that_are_set_at_rest_state_the_velocity_that_they_lose(restituti
     scale.
     """
     # The rod is too far away to be struck.
-    bodies = [ri.Wall(), ri.RigidMass(1.0, velocity=0.0), unit_rod()]
+    ball = ri.RigidMass(1.0, velocity=0.0)
+    bodies = [ri.Wall(), ball, unit_rod()]
     laws = [ri.Rigid(restitution=restitution), ri.Rigid()]
     system = ri.System(bodies, gaps=[0.1, 90.0], contacts=laws, gravity=-1.0)
 
-    solution = ri.solve(system, until=4.0, method=METHOD, rtol=1e-12)
+    solution = by_characteristics(system, 4.0, rtol=1e-12)
 
     assert "set at rest" in solution.status
     stated = solution.accuracy["velocity"]
