@@ -100,6 +100,9 @@ def noisy_fit():
 
 @pytest.mark.parametrize(("path", "true_value"), [(LENGTH, 0.2), (VELOCITY, 10.0)])
 def test_a_fit_finds_the_system_that_made_a_record(noisy_fit, path, true_value):
+    """Length and velocity are within 0.5 % and four standard errors of the true ones;
+    there are no notes.
+    """
     value = noisy_fit.values[path]
     assert value == pytest.approx(true_value, rel=5e-3)
     # Four standard errors are hardly ever passed.
@@ -111,6 +114,9 @@ def test_a_fit_finds_the_system_that_made_a_record(noisy_fit, path, true_value):
 
 
 def test_the_standard_error_is_that_of_a_mean_over_the_pulse(noisy_fit):
+    """The error of the velocity is that of one sample over the root of the number of
+    samples.
+    """
     duration = 2 * 0.2 / STEEL.wave_speed  # s, two transits of the striker
     samples = int(duration / INTERVAL)
     error_of_a_sample = RELATIVE_NOISE * 10.0  # m/s
@@ -141,6 +147,9 @@ def test_all_searches_end_at_the_same_point(noisy_fit):
 
 @pytest.mark.exhaustive
 def test_records_have_shifts_of_their_own():
+    """Two records of one run, late by 1 us and by 2 us, are fitted together; both
+    shifts are found.
+    """
     solution = ri.solve(rods(), until=UNTIL)
     places = [(1, 0.2), (1, 0.4)]
     shifts = [1e-6, 2e-6]  # s
@@ -228,6 +237,9 @@ def test_records_share_the_numbers_that_are_tied(tied_fit):
 
 def test_shift_and_gain_are_known_nearly_as_well_as_each_alone(shot, tied_fit):
     # The error of one number alone is sigma over the norm of the derivative by it.
+    """Their standard errors in one fit are at most 1.5 times those of a fit of one
+    number alone.
+    """
     gain_derivatives_squared = 0.0
     shift_derivatives_squared = 0.0
     for signal in shot.clean:
@@ -245,6 +257,7 @@ def test_shift_and_gain_are_known_nearly_as_well_as_each_alone(shot, tied_fit):
 
 @pytest.mark.exhaustive
 def test_a_gain_of_one_record_is_known_less_well_than_a_common_one(shot, tied_fit):
+    """The standard error of one gain for both records is below that of a gain for each."""
     vary = VARY_LENGTH | {"records.*.blur": (0.0, 1e-5)}
     separate = fitted(shot.records, vary)
     separate_numbers = {"records.0.shift", "records.1.shift", "records.1.gain"}
@@ -335,6 +348,9 @@ def with_additions(request):
 def test_the_addition_that_a_record_needs_earns_its_place_and_predicts_best(
     with_additions,
 ):
+    """It has the least misfit of blocks left out. A record that needs none has none
+    that earns its place.
+    """
     additions = with_additions.fit.additions
     earning = [each.name for each in additions if each.earns_its_place]
     best = min(additions, key=lambda each: each.fit.misfit_left_out)
@@ -399,6 +415,7 @@ def test_mistakes_in_additions_are_named(additions, says):
 
 @pytest.mark.exhaustive
 def test_searches_on_a_grid_begin_with_half_of_its_cells(monkeypatch):
+    """More than two thirds of all runs have half of the cells; the velocity is found."""
     cells_of_runs = []
 
     def counted(system, options, places, interval):
@@ -424,7 +441,7 @@ def test_searches_on_a_grid_begin_with_half_of_its_cells(monkeypatch):
 
 
 def objective_of(measured_record, vary):
-    """Objective of a fit to one record."""
+    """The `Objective` of a fit of `vary` to one record, by fronts."""
     return Objective(
         system=rods(),
         measured=[measured_record],
@@ -525,6 +542,9 @@ def test_standard_errors_are_the_scatter_of_fits(correlation_time):
 
 @pytest.mark.exhaustive
 def test_all_searches_for_a_measured_pulse_end_at_one_point():
+    """Three searches for the pulse of a titanium bar end within 1 % of a standard
+    error.
+    """
     pulses = validation_module("measured_pulses")
     vary = {**pulses.STIFFNESS_BOUNDS, pulses.SPEED: (4200.0, 5400.0)}
     best = pulses.fitted(pulses.TITANIUM, vary, starts=3)
@@ -611,6 +631,7 @@ def test_the_standard_error_of_a_mean(repetitions):
 
 @pytest.mark.exhaustive
 def test_another_law_tells_by_how_much_numbers_change():
+    """`against` adds notes on the change of a number from a rigid contact to a spring."""
     noisy = measured(record(rods(), 1e-5))
     rigid = fitted(noisy, VARY_LENGTH)
     with_spring = rods_with_law(ri.Spring(3e8))
@@ -742,6 +763,9 @@ def test_a_fit_with_a_blur_ends_no_worse_than_one_without(seed):
     ],
 )
 def test_numbers_that_are_not_determined_are_named(how, vary, until, sentences):
+    """The notes of a fit hold one of these sentences; `how` are arguments of the
+    record.
+    """
     noisy = measured(record(rods(), 1e-5), **how)
     best = ri.fit(rods(), noisy, vary, until, starts=1)
     notes = " ".join(best.notes)
@@ -794,6 +818,9 @@ def test_numbers_with_correlated_errors_are_noted():
     ],
 )
 def test_a_bound_is_as_near_as_the_scale_of_its_range_says(number, beginning):
+    """Near its bound a number is noted, on a logarithmic scale if the bounds are far
+    apart. `beginning` is that of the note; None if there is no note.
+    """
     end = ri.Descent(0.02, {number.name: number.value}, complete=True)
     covariance_matrix = np.array([[1e-4]])
     notes = notes_on_numbers([number], covariance_matrix, [end])
@@ -829,6 +856,7 @@ def test_a_misfit_far_above_the_noise_before_the_pulse_is_noted():
 
 
 def test_paths_name_numbers_of_materials_and_contacts_which_values_replace():
+    """They have units and first values; `with_values` puts other values in their place."""
     titanium = ri.Material("titanium", youngs_modulus=100e9, density=4400)
     hertz = ri.Hertz(1e10)
     system = rods(material=titanium, contacts=[hertz], gaps=[1e-3])
@@ -854,6 +882,9 @@ def test_paths_name_numbers_of_materials_and_contacts_which_values_replace():
 
 
 def test_a_share_of_the_range_of_a_number_leads_back_to_its_value():
+    """`value` undoes `share`; the middle of the range is the mean, or the geometric
+    one.
+    """
     vary = VARY_LENGTH | {"contacts.0.stiffness": (1e8, 1e12)}
     system = rods_with_law(ri.Hertz(1e10))
     length, stiffness = system_parameters(system, vary)
@@ -869,6 +900,7 @@ def test_a_share_of_the_range_of_a_number_leads_back_to_its_value():
 
 
 def test_a_path_may_lead_into_a_profile():
+    """A path replaces the second value of steps of velocity."""
     velocity = ri.Steps([1.0, 2.0], at=[0.1])
     system = rods(velocity=velocity)
     second_value = {"bodies.0.velocity.values.1": (0, 9)}
@@ -906,6 +938,7 @@ def test_a_figure_of_a_record_that_there_is_not_is_refused(length_fit):
 
 
 def test_a_result_is_written_as_a_table_once(length_fit, tmp_path):
+    """A second call does not overwrite the file."""
     path = tmp_path / "fit.csv"
     length_fit.to_csv(path)
     lines = path.read_text().splitlines()

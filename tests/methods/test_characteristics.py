@@ -23,7 +23,7 @@ FRONTS_TOL = 1e-12
 
 
 def solve_row(bodies, until=None, gaps=None, contacts=None, rtol=None, **options):
-    """Solve a row by characteristics; options are those of a system."""
+    """The solution of a row by characteristics; `options` are those of `ri.System`."""
     system = ri.System(bodies, gaps=gaps, contacts=contacts, **options)
     return ri.solve(system, until=until, method=METHOD, rtol=rtol)
 
@@ -52,7 +52,10 @@ def largest_impulse(outcome, until):
 
 
 def n_begun_episodes(contact, until):
-    """Number of episodes that begin before the end, which is uncertain by round-off."""
+    """Number of episodes of a contact that begin before the end of the run, s.
+
+    An episode that begins just at the end is left out: round-off decides about it.
+    """
     before_end = until * (1 - 1e-9)
     n_begun = 0
     for episode in contact.episodes:
@@ -63,8 +66,9 @@ def n_begun_episodes(contact, until):
 
 @pytest.mark.parametrize("seed", few_of(range(60), range(4)))
 def test_fronts_are_met_to_round_off_or_to_the_error_stated_of_smoothed_waves(seed):
-    """Where waves are smoothed, a status and stated errors say so; else the episodes of
-    the contacts are equal in number, too.
+    """Contacts and motion of random rows of four bodies agree with fronts to
+    `FRONTS_TOL`, and contacts have equally many episodes. Where the status says that
+    waves were smoothed, they agree to the stated errors.
     """
     system = random_system(seed, bodies=4)
     until = horizon(system, transits=8)
@@ -106,7 +110,9 @@ def assert_contacts_are_near(exact, outcome, bounds, until):
 
 
 def assert_motion_is_near(exact, solution, velocity_bound, until):
-    """Mean velocities at the end are near, in m/s, and displacements inside of rods."""
+    """Mean velocities at the end are near, to the bound in m/s, and so are
+    displacements inside of rods.
+    """
     # Places and times that are no simple fractions, so that few waves are just there
     shares = (np.arange(11) + 0.3) / 11
     times = until * shares[:, None]  # [time, 1]
@@ -182,6 +188,9 @@ def mass_on_a_stiff_spring(M, k):
     [(0.1, 500.0, 0.0), (1.0, 500.0, 0.33), (1.0, 2e4, 0.0), (0.3, 1e6, 0.33)],
 )
 def test_the_blow_of_a_mass_through_a_stiff_spring_is_resolved_in_few_steps(M, k, gap):
+    """Impulse, peak force and duration are those of `mass_on_a_stiff_spring`, and the
+    run takes 500 events at most. M is the mass, kg, and k the stiffness, N/m.
+    """
     impulse, peak_force, duration = mass_on_a_stiff_spring(M, k)
     mass = ri.RigidMass(M, velocity=1.0)
     rod = unit_rod()
@@ -213,7 +222,9 @@ def forces_until_2_s(contacts):
 
 @pytest.mark.parametrize("gravity", [0.0, -0.5])
 def test_bonds_carry_a_push_less_what_accelerates_the_masses_before_them(gravity):
-    """The masses move as one; gravity, which accelerates all alike, takes no force."""
+    """Three bonded masses, pushed from the left with 0.7 N, strike a rod. They move as
+    one; gravity, which accelerates all bodies alike, takes no force.
+    """
     push = 0.7
     mass = 1.0 + 2.0 + 3.0
     rod = unit_rod(velocity=-1.0)
@@ -243,6 +254,9 @@ def test_bonds_carry_a_push_less_what_accelerates_the_masses_before_them(gravity
 @pytest.mark.parametrize("mirrored", [False, True])
 @pytest.mark.parametrize("gravity", [0.0, -0.5])
 def test_bonds_of_held_masses_carry_the_contact_force_and_the_weight(gravity, mirrored):
+    """A rod strikes two masses that are bonded to a wall. Each bond carries the force
+    of the contact, less the weight of the masses between the two.
+    """
     rod = unit_rod(velocity=-1.0)
     bodies = [ri.Wall(), LIGHT_MASS, MIDDLE_MASS, rod]
     system = ri.System(bodies, contacts=BONDED_TWICE, gravity=gravity)
@@ -271,9 +285,11 @@ def test_bonds_of_held_masses_carry_the_contact_force_and_the_weight(gravity, mi
     ("kappa", "e"), [(1e-3, 1.0), (1.0, 0.94410), (10.0, 0.61670), (1e3, 0.41102)]
 )
 def test_hertz_ends_carry_e_from_one_to_the_ratio_of_lengths(kappa, e):
-    """From e of rigid bodies at a soft contact to 0.4 at a rigid one.
+    """The restitution e of two rods goes from that of rigid bodies, 1, at a soft
+    contact to the ratio of their lengths, 0.4, at a rigid one. kappa is the stiffness
+    of the contact.
 
-    Two independent computations gave the values between to three digits; see
+    The values in between were computed in two independent ways to three digits; see
     validation/hertz_ends.py.
     """
     striker = unit_rod(0.4, velocity=1.0)
@@ -344,6 +360,7 @@ def impulse_on_endless_bar(force, M, Z, duration):
 
 @pytest.mark.parametrize(("law", "force"), LAWS.values(), ids=LAWS)
 def test_the_impulse_of_a_mass_through_a_law_on_an_endless_bar(law, force):
+    """It is that of `impulse_on_endless_bar`, which integrates the motion of the mass."""
     M = 0.5
     Z = 2.0
     gap = 0.0837
@@ -387,9 +404,12 @@ def peak_force_of_table(energy):
     "method", few_of(["characteristics", "finite-difference"], ["characteristics"])
 )
 def test_two_masses_rebound_by_what_a_table_gives_back(method, speed):
-    """The area below the table is the energy; what unloads gives back F^2/(2 k).
+    """Two masses that strike through a tabulated law part with the energy that it gives
+    back.
 
-    The last line goes on beyond the table, as far as the fastest mass needs it.
+    The area below the table is the energy of the blow; unloading with the slope k gives
+    back F^2/(2 k). The last line goes on beyond the table, as far as the fastest mass
+    needs it.
     """
     unloading = 20.0  # stiffness k, N/m
     first_mass = 0.5  # kg
@@ -430,7 +450,9 @@ def test_two_masses_rebound_by_what_a_table_gives_back(method, speed):
     "method", few_of(["characteristics", "finite-difference"], ["characteristics"])
 )
 def test_what_yields_is_a_table_of_two_points(method, compiling):
-    """A table from (0, 0) by way of the yield point, along the line of hardening."""
+    """Peak force and velocities with `Yielding` are those with `Tabulated`, whose lines
+    run from (0, 0) by way of the yield point along the line of hardening.
+    """
     cells = 100 if method == "finite-difference" else None
     striker = unit_rod(1.0, velocity=2.0)
     struck = unit_rod(2.0)
@@ -502,8 +524,8 @@ def yielding_on_endless_bar(M, Z, k, strength, hardening):
 def test_a_blow_on_an_endless_bar_through_what_yields_is_as_integrated(
     mirrored, hardening
 ):
-    """Its impulse and largest force; the energies balance, and the law is left with the
-    largest force as its yield force.
+    """Impulse and largest force of a mass are those of `yielding_on_endless_bar`. The
+    energies balance, and the law is left with the largest force as its yield force.
     """
     M = 0.5
     Z = 2.0
@@ -550,7 +572,9 @@ HUNT_CROSSLEY = ri.HuntCrossley(10.0, damping=0.3)
 
 @pytest.fixture(scope="module")
 def driven():
-    """A row of rods and masses with three laws, gravity and two driven ends."""
+    """Solution until t = 4 of a row of rods and masses with three laws, gravity and two
+    driven ends.
+    """
     velocity_of_end = ri.Samples([0.5, 1.0, -0.5], step=1.0)
     moved = ri.Moved(velocity_of_end)
     return solve_row(
@@ -574,6 +598,9 @@ def overlap_at_times(contact):
 
 
 def test_compliant_forces_follow_their_laws(driven):
+    """The forces of the Hertz and the Hunt-Crossley contact are those of their laws for
+    the overlaps and closing velocities of the solution.
+    """
     hertz, _, hunt_crossley = driven.contacts
 
     overlap = overlap_at_times(hertz)
@@ -606,6 +633,7 @@ def test_a_rigid_contact_never_has_both_a_force_and_a_gap(driven):
 
 
 def test_the_outcome_of_contacts_is_that_of_their_histories(driven):
+    """Number of episodes, first touch and peak force are compared."""
     totals = driven.outcome.contacts
     for contact, total in zip(driven.contacts, totals, strict=True):
         assert len(contact.episodes) == total.episodes
@@ -620,6 +648,9 @@ def test_the_outcome_of_contacts_is_that_of_their_histories(driven):
 
 @pytest.mark.parametrize("law", [ri.Spring(30.0), ri.Rigid()])
 def test_a_state_in_which_no_bodies_touch_can_be_continued(law):
+    """A run in two parts, cut when no bodies touch, ends with the velocities of one
+    that did not stop.
+    """
     system = ri.System(
         BODIES,
         gaps=[0.1, 0.05, 0.4],
@@ -679,7 +710,9 @@ STRIKING_MASS = ri.RigidMass(0.2, velocity=1.0)
     ],
 )
 def test_impulses_are_as_exact_as_rtol_says(bodies, laws, rtol):
-    """Against a run of much smaller rtol, relative to the largest impulse."""
+    """They differ from those of a run of much smaller rtol by at most rtol times the
+    largest.
+    """
     fine = solve_row(bodies, until=4.0, contacts=laws, rtol=1e-11)
 
     rough = solve_row(bodies, until=4.0, contacts=laws, rtol=rtol)
@@ -749,8 +782,8 @@ def test_a_run_ends_where_it_was_asked_to_end(until):
 
 @pytest.mark.parametrize("direction", [1, -1])
 def test_large_strains_are_those_of_the_rod_in_which_they_are(direction):
-    """The largest wave over the wave speed, in the frame of the mean of both
-    velocities.
+    """Both methods warn of the largest strain in a slow rod that is struck: the largest
+    wave over the wave speed, in the frame that moves with the mean of both velocities.
     """
     slow = ri.Material("slow", youngs_modulus=0.01, density=1.0)
     slow_speed = 0.1  # m/s, of waves; also the impedance, the other one being 1
@@ -882,7 +915,9 @@ def test_fronts_take_no_tolerance():
     ],
 )
 def test_an_outcome_without_restitution_says_why(bodies, options, reason):
-    """If asked for the reason, for the restitution, or for that of rigid bodies."""
+    """The reason is given by `why_no_restitution`, and by the errors of `restitution`
+    and `as_rigid`.
+    """
     solution = solve_row(bodies, until=4.0, **options)
     outcome = solution.outcome
 
@@ -898,7 +933,9 @@ def test_an_outcome_without_restitution_says_why(bodies, options, reason):
 def test_a_ball_on_a_floor_bounces_by_its_restitution_and_comes_to_rest(
     wall_velocity, mirrored
 ):
-    """Beside a moving wall it does so in the frame of the wall."""
+    """It falls from 0.3 m, comes back with half of its speed, and after 3.7 s lies
+    still with its weight on the floor; beside a moving wall in the frame of the wall.
+    """
     ball = ri.RigidMass(2.0, velocity=wall_velocity)
     bodies = [ri.Wall(wall_velocity), ball, unit_rod()]
     laws = [ri.Rigid(restitution=0.5), ri.Rigid()]

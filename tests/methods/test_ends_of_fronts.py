@@ -43,7 +43,7 @@ def commensurate(seed):
 
 @pytest.fixture(scope="module", params=few_of(range(30), range(3)))
 def by_both_methods(request):
-    """Solutions of a random row by fronts and by characteristics."""
+    """Solutions of a random row until 8 s, by fronts and by characteristics."""
     system = commensurate(request.param)
     fronts = ri.solve(system, until=8.0, method="fronts")
     pieces = ri.solve(system, until=8.0, method="characteristics")
@@ -51,6 +51,9 @@ def by_both_methods(request):
 
 
 def test_fields_by_fronts_are_those_by_characteristics(by_both_methods):
+    """Velocities and strains agree at nine places of each rod and 128 times at which no
+    front passes.
+    """
     fronts, pieces = by_both_methods
     # Fronts pass the places below at multiples of 1/32 s, and drives jump at those of
     # 1/16 s: no front passes at these times.
@@ -78,6 +81,7 @@ OUTCOMES = [
 
 
 def test_the_outcome_by_fronts_is_that_by_characteristics(by_both_methods):
+    """All entries named in `OUTCOMES` agree."""
     fronts, pieces = by_both_methods
     for name in OUTCOMES:
         value = getattr(fronts.outcome, name)
@@ -148,8 +152,8 @@ def test_an_incoming_wave_is_that_of_a_long_rod(method, mirrored):
 @pytest.mark.parametrize("mirrored", [False, True])
 @pytest.mark.parametrize("method", ["fronts", "characteristics"])
 def test_an_incoming_wave_brings_its_energy(method, mirrored):
-    """E A c times strain squared, for the time that it lasts; nothing has come back
-    yet.
+    """It counts as negative radiation: E A c times strain squared, for the time that
+    the wave lasts; nothing has come back yet.
     """
     system = with_incoming_wave()
     if mirrored:
@@ -176,8 +180,8 @@ def test_an_incoming_wave_brings_its_energy(method, mirrored):
 
 @pytest.mark.parametrize("seed", few_of(range(30), range(6)))
 def test_the_peak_force_of_any_contact_is_the_largest_of_its_forces(seed):
-    """Of those that last for 2^-40 of the longest transit, or longer; shorter ones are
-    errors of rounding.
+    """Forces count that last for 2^-40 of the longest transit or longer; shorter ones
+    are errors of rounding.
     """
     system = with_ends(seed)
     until = horizon(system, transits=4.0)
@@ -266,8 +270,8 @@ def test_an_end_stays_as_near_to_its_mean_motion_as_the_proof_bounds(
 
 @pytest.mark.parametrize("area", [0.3, 1.0, 1.1, 2.0, 10.0])
 def test_a_striker_on_an_endless_bar_comes_to_its_end(area):
-    """e = (1 - r)/(1 + r), r the ratio of impedances, or 0 if the striker has the
-    larger one.
+    """It is final with e = (1 - r)/(1 + r), r the ratio of impedances, or 0 if the
+    striker has the larger one.
     """
     striker = unit_rod(1.0, area=area, velocity=1e-3)
     endless_bar = unit_rod(0.5)  # its far end absorbs

@@ -130,6 +130,9 @@ def sides_of(group, system):
 
 @given(st.integers(0, 10**6), st.floats(0.5, 6.0))
 def test_mean_motions_and_bounds_of_groups_are_those_of_sums_over_parts(seed, transits):
+    """At each contact of a random row the bonded group beside it has the mean motion
+    and the bound of `expected_sway`.
+    """
     system = random_system(seed, bodies=4)
     until = horizon(system, transits=transits)
     run = tracked(system, until=until, max_events=20_000)
@@ -157,7 +160,9 @@ def test_mean_motions_and_bounds_of_groups_are_those_of_sums_over_parts(seed, tr
 
 
 def assert_motion_is_that_of_sums(motion, sway, run, on_right):
-    """`motion` counts in ticks and in the frame of the clock, `sway` in m and m/s."""
+    """Assert that a motion, in ticks and in the frame of the clock, is a sway, in m and
+    m/s.
+    """
     tick = run.clock.tick
     velocity = motion.mean_velocity + run.clock.frame
     assert velocity == pytest.approx(sway.mean_velocity, abs=1e-11)
@@ -189,7 +194,7 @@ def has_waves(parts, system, group):
 
 
 def stretched(velocity, strain):
-    """A stepped rod under strain."""
+    """A stepped rod with this velocity, m/s, and strain."""
     thin = ri.Segment(1.0, area=1.0, material=M)
     thick = ri.Segment(0.7, area=2.0, material=M)
     return ri.Rod(segments=[thin, thick], velocity=velocity, strain=strain)
@@ -224,7 +229,7 @@ def test_the_proof_waits_until_the_mean_gap_is_beyond_the_swing_of_both_ends():
 
 @given(st.integers(0, 10**6))
 def test_the_collision_of_every_free_row_is_proved_to_be_over(seed):
-    """Of two or three rods without walls."""
+    """Rows of two or three rods without walls run until their proof."""
     system = random_system(seed, bodies=3, walls=False)
 
     solution = ri.solve(system, max_events=200_000)
@@ -233,7 +238,9 @@ def test_the_collision_of_every_free_row_is_proved_to_be_over(seed):
 
 
 def test_a_clamped_rod_that_is_struck_is_final_only_when_it_strikes_no_more():
-    """Velocities in a rod with a fixed end change sign, so its waves bound nothing."""
+    """A run 20 times as long has no later contact. Velocities in a rod with a fixed end
+    change sign, so that its waves bound nothing.
+    """
     striker = ri.Rod(0.2, area=0.1, material=M, velocity=0.2)
     clamped = ri.Rod(1.0, area=1.0, material=M)
     laws = [ri.Rigid(), ri.Bonded()]
@@ -292,10 +299,8 @@ def test_a_grazing_contact_that_presses_again_is_one_episode():
 def test_a_gap_closes_now_if_it_would_within_the_window_and_parts_if_it_opens(
     gap, rate, closing, after
 ):
-    """`after` has the status, the gap and its rate.
-
-    The gap has changed at its old rate for 100 ticks; from now on it closes with
-    `closing`. The window has 10 ticks.
+    """A gap, in m, has changed at its old rate for 100 ticks; from now on it closes
+    with `closing`. `after` has the new status, gap and rate. The window has 10 ticks.
     """
     (node,) = blank(1, NODE)
     node.status = Status.OPEN.value
@@ -320,7 +325,9 @@ def test_a_gap_closes_now_if_it_would_within_the_window_and_parts_if_it_opens(
     ],
 )
 def test_only_a_contact_that_has_pressed_counts_as_opening(before, last_opening):
-    """What touched without force since it closed leaves the last opening as it is."""
+    """A contact opens at tick 9. What has touched without a force since it closed
+    leaves the last opening, 7, as it is.
+    """
     (run,) = blank(1, RUN)
     (node,) = blank(1, NODE)
     (row,) = blank(1, FRONT)
@@ -340,7 +347,7 @@ def test_only_a_contact_that_has_pressed_counts_as_opening(before, last_opening)
 @pytest.mark.parametrize("delay", [0, 3, 900])
 def test_a_closing_joins_an_arrival_within_the_window(delay):
     """The gap closes `delay` ticks before a front from the middle of the striker
-    arrives there.
+    arrives there; the force begins at the tick of the front.
     """
     velocity = ri.Steps([1.0, 0.5], at=[0.5])
     striker = ri.Rod(1.0, area=1.0, material=M, velocity=velocity)
@@ -361,8 +368,8 @@ def test_a_closing_joins_an_arrival_within_the_window(delay):
 
 
 def test_round_off_of_cuts_makes_no_fronts():
-    """A rod cut into bonded pieces of awkward impedance sends no echoes from the
-    cuts.
+    """A rod cut into bonded pieces of awkward impedance sends no echoes from the cuts:
+    velocities are those of the whole rod, with at most twice as many events.
     """
     odd = ri.Material("odd", youngs_modulus=1.23456789, density=0.987654321)
     area = 0.7654321
@@ -397,7 +404,9 @@ def test_a_vibrating_rod_alone_is_final_at_once():
 
 @pytest.mark.parametrize(("drift", "stop"), [(1e-4, "final"), (1e-8, "clock")])
 def test_a_slow_drift_is_waited_for_as_long_as_the_clock_counts(drift, stop):
-    """The cap on events, 50,000, ends neither run."""
+    """A vibrating rod and another one drift apart: slowly, or too slowly for the clock.
+    The cap on events, 50,000, ends neither run.
+    """
     drifting = ri.Rod(1.0, area=1.0, material=M, velocity=drift)
     system = ri.System([VIBRATING, drifting], gaps=[0.7])
 
@@ -432,6 +441,9 @@ RIGID_OPENING = 2.0
 def test_the_last_contact_ended_whatever_the_end_and_the_method(
     law, method, options, error, until
 ):
+    """`t_final` is the known opening to this relative `error`, whenever the run ends,
+    and the status says so.
+    """
     system = ri.System(PAIR, contacts=[law])
     opening = RIGID_OPENING
     if law == SPRING:

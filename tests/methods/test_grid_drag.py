@@ -57,6 +57,9 @@ def test_a_standing_wave_dies_out_as_the_telegraph_equation_says(damping):
 def test_errors_of_the_velocity_of_an_end_fall_with_the_square_of_the_step():
     # With the 257 samples of other tests the error of the finest mesh is that of the
     # samples.
+    """The velocity of a standing wave in drag is compared with `amplitude` on meshes of
+    25 to 200 cells.
+    """
     x = np.linspace(0.0, LENGTH, 2049)
     wave = ri.Samples(np.cos(math.pi * x))
     rod = standing_wave(ri.Drag(3.0))
@@ -96,6 +99,9 @@ def test_a_front_loses_half_of_the_rate_of_a_whole_rod():
 
 
 def test_a_rod_slows_down_exponentially_and_drag_takes_its_energy():
+    """A rigid motion of 2 m/s falls as exp(-damping t), and the work of drag is the
+    kinetic energy lost.
+    """
     damping = 0.8
     drag = ri.Drag(damping)
     rod = ri.Rod(LENGTH, area=1.0, material=SOFT, velocity=2.0, shaft=drag)
@@ -153,6 +159,9 @@ def random_row(seed):
 
 @pytest.mark.parametrize("seed", few_of(range(60), range(6)))
 def test_balances_of_random_rows_close_and_drag_gives_nothing(seed):
+    """Momentum and energy balance to round-off, and the energy lost to drag never
+    falls.
+    """
     round_off = 1e-15
 
     row = random_row(seed)
@@ -188,6 +197,9 @@ def test_outcomes_of_random_rows_are_the_same_in_machine_code(seed):
 
 
 def test_a_mirrored_row_moves_alike():
+    """Velocities after the run of a random row are those of its mirror image, in reverse
+    order and with the other sign.
+    """
     row = random_row(1)
     mirrored_row = row.mirrored()
 
@@ -201,6 +213,7 @@ def test_a_mirrored_row_moves_alike():
 
 
 def test_a_continued_run_is_one_that_did_not_stop():
+    """A run that goes on from its state at 0.5 s has the velocities of the whole one."""
     rod = standing_wave(ri.Drag(2.0), mean_velocity=0.5)
     system = ri.System([rod])
 
@@ -237,6 +250,7 @@ def test_a_run_in_drag_needs_an_end():
 
 
 def test_members_of_a_family_have_drags_of_their_own():
+    """A sweep over two coefficients gives the velocities of two single runs."""
     coefficients = [0.5, 5.0]
     rod = standing_wave(ri.Drag(coefficients), mean_velocity=1.0)
     system = ri.System([rod])
@@ -255,6 +269,9 @@ def test_members_of_a_family_have_drags_of_their_own():
 
 @pytest.mark.exhaustive
 def test_a_drag_coefficient_is_found_from_a_record():
+    """A fit that begins at the coefficient 1 finds the 2 of the rod from its strain in
+    the middle.
+    """
     rod = standing_wave(ri.Drag(2.0), mean_velocity=1.0)
     system = ri.System([rod])
     place = (0, 0.5)  # body, m
@@ -294,6 +311,9 @@ def test_mistakes_are_named(make, path, message):
 
 
 def test_a_rod_that_hangs_in_drag_stays_at_rest_and_has_no_soil():
+    """A rod in drag, bonded to a wall, keeps the state of `at_rest`; its solution
+    refuses to tell of soil.
+    """
     drag = ri.Drag(1.0)
     rod = ri.Rod(LENGTH, area=1.0, material=SOFT, shaft=drag)
     bonds = [ri.Bonded()]

@@ -64,6 +64,7 @@ def test_compiled_and_plain_runs_and_proofs_are_bit_identical(seeds):
 
 @pytest.mark.parametrize("driven", [False, True])
 def test_a_run_in_pieces_is_the_whole_run(driven):
+    """A run that is stopped at random steps and continued leaves the same bits."""
     for seed in range(8):
         system = random_row(seed, driven=driven)
         whole = grid_run(system, room=100)
@@ -100,6 +101,7 @@ def tridiagonal(diagonal, coupling, is_held):
 
 @given(SEEDS, st.integers(2, 12), st.booleans(), st.booleans())
 def test_elimination_solves_as_dense_matrices_do(seed, nodes, held_left, held_right):
+    """A piece with held or free ends, between other nodes, is solved as by NumPy."""
     rng = default_rng(seed)
     before, after = rng.integers(0, 3, 2)  # nodes on either side of the piece
     n = before + nodes + after
@@ -155,7 +157,8 @@ def forces_of(links):
 
 
 def test_newton_solves_a_chain_of_stiff_links_in_few_sweeps(monkeypatch):
-    """Link after link, forces would spread by one body a sweep, and settle after
+    """Forces of twelve coupled springs are those of a linear system after 6 sweeps at
+    most. Link after link, they would spread by one body a sweep, and settle after
     hundreds.
     """
     links = chain_of_links()
@@ -288,6 +291,7 @@ ENDS = {  # the ends, and the forces that push them to the right and to the left
 @pytest.mark.parametrize("kind", ENDS)
 @pytest.mark.parametrize("seed", few_of(range(8), range(3)))
 def test_40_steps_are_those_of_a_leapfrog_with_dense_matrices(seed, kind):
+    """Velocities, forces and radial strains at the end are those of `dense_run`."""
     ends, push = ENDS[kind]
     bodies = [random_stepped_rod(seed)]
     laws = []
@@ -395,6 +399,9 @@ def energy_of_contacts(run):
 
 @given(SEEDS, st.booleans())
 def test_energies_at_every_state_are_those_that_leapfrog_keeps(seed, driven):
+    """Energies of the solution of a random row are those of `energy_of_bodies` and
+    `energy_of_contacts`.
+    """
     system = random_row(seed, driven=driven, bodies=4)
     run = run_row(system, until=1.5)
     times = run.history.when * run.step
@@ -428,8 +435,11 @@ MASSES = (ri.RigidMass(1.0, velocity=0.5), ri.RigidMass(1.0, velocity=-0.5))
 def test_what_stops_no_more_than_the_tolerance_is_no_force(
     pair, law, factor, is_pressed
 ):
-    """A contact without rebound takes half of the closing velocity, 1, as it shuts at
-    the kick.
+    """A contact presses only if it takes away more velocity than the tolerance, which
+    is `factor` times what it would take.
+
+    A contact without rebound takes half of the closing velocity, 1, as it shuts at the
+    kick.
     """
     far_rod = unit_rod()
     bodies = [*pair, far_rod]
@@ -468,7 +478,9 @@ def test_a_gap_closes_at_its_time_but_not_before_the_first_kick(share):
 
 
 def test_a_mass_squeezed_between_walls_stops_the_run():
-    """A rod whose end is nailed down from within is the second wall."""
+    """It is refused with the path of the contacts. The second wall is a rod whose end
+    is nailed down from within.
+    """
     laws = [ri.Rigid(restitution=0.5), ri.Rigid()]
     bodies = [ri.Wall(0.5), ri.RigidMass(1.0), unit_rod()]
     system = ri.System(bodies, gaps=[0.1, 0.1], contacts=laws)

@@ -32,9 +32,9 @@ def rod_in(soil, velocity=1.0):
 
 
 def pile_in_soil(soil, toe):
-    """A ram that strikes a pile through a cushion.
+    """A ram that strikes a pile through a cushion, a system that is not solved.
 
-    `soil` holds its shaft, None if nothing does; the contact law `toe` its tip.
+    `soil` holds the shaft, None if nothing does; the contact law `toe` holds the tip.
     """
     ram = ri.RigidMass(RAM_MASS, velocity=RAM_VELOCITY)
     pile = ri.Rod(LENGTH, area=AREA, material=STEEL, shaft=soil)
@@ -101,7 +101,9 @@ def random_pile(seed):
 def test_a_pile_with_a_toe_alone_is_set_by_the_limit_of_lumped_masses(
     resistance, limit
 ):
-    """Sets of a `LumpedPile` of ever more masses go to this limit."""
+    """The set of the toe is the limit to which sets of a `LumpedPile` of ever more
+    masses go.
+    """
     toe = ri.SmithToe(resistance, quake=QUAKE)
     system = pile_in_soil(soil=None, toe=toe)
 
@@ -116,7 +118,9 @@ def test_a_pile_with_a_toe_alone_is_set_by_the_limit_of_lumped_masses(
 @pytest.mark.parametrize("law", ["smith", "viscous"])
 @pytest.mark.parametrize("resistance", [200e3, 600e3, 1000e3])
 def test_a_blow_is_that_of_a_chain_of_lumped_masses(law, resistance):
-    """By the set of the toe, the work on the soil and the largest compression."""
+    """Set of the toe, work on the soil and largest compression are those of a
+    `LumpedPile`.
+    """
     half = resistance / 2  # of the shaft, and of the toe, N
     soil = ri.Soil(half, quake=QUAKE, damping=0.16, law=law)
     toe = ri.SmithToe(half, quake=QUAKE, damping=0.5)
@@ -152,6 +156,7 @@ def test_a_blow_is_that_of_a_chain_of_lumped_masses(law, resistance):
 
 @pytest.mark.parametrize("seed", few_of(range(60), range(8)))
 def test_balances_of_random_soils_close(seed):
+    """Momentum and energy of random piles balance to round-off."""
     pile = random_pile(seed)
 
     outcome = ri.solve(pile, until=4.0, cells=24).outcome
@@ -204,6 +209,9 @@ def energies_with_elastic_soil(soil):
 
 @pytest.mark.exhaustive
 def test_soil_without_damping_gives_back_all_that_its_springs_store():
+    """The energy of a rod and of the springs of its elastic soil stays what it is at
+    the start.
+    """
     soil = ELASTIC_SOIL.replace(damping=0.0)
 
     energy = energies_with_elastic_soil(soil)
@@ -218,7 +226,9 @@ def test_soil_without_damping_gives_back_all_that_its_springs_store():
 
 @pytest.mark.parametrize("law", ["smith", "viscous"])
 def test_damping_takes_energy_in_every_step(law):
-    """Also as the rod swings back: of the rod and the springs of its soil together."""
+    """The energy of a rod and of the springs of its soil falls in each step, also as
+    the rod swings back.
+    """
     soil = ELASTIC_SOIL.replace(law=law)
 
     energy = energies_with_elastic_soil(soil)
@@ -252,8 +262,8 @@ def test_soil_resists_a_mirrored_row_alike():
 
 
 def test_errors_of_a_smooth_motion_fall_with_the_square_of_the_step():
-    """Of the velocity of an end, against a mesh that is four times as fine as the finest
-    of them.
+    """The velocity of an end on three meshes is compared with that on a mesh four times
+    as fine as the finest of them.
     """
     soil = ri.Soil(3.0, quake=0.5, damping=0.4)
     cosine = np.cos(np.linspace(0, np.pi, 65))
@@ -297,6 +307,9 @@ def test_a_pile_that_soil_carries_stays_at_rest():
 
 
 def test_two_bonded_halves_in_soil_are_one_pile():
+    """Velocity of the toe and force in the middle are those of the whole pile; each
+    half has half of the resistance.
+    """
     soil = ri.Soil(400e3, quake=QUAKE, damping=0.16)
     toe = ri.SmithToe(400e3, quake=QUAKE, damping=0.5)
     whole = pile_in_soil(soil, toe)
@@ -328,6 +341,9 @@ def test_two_bonded_halves_in_soil_are_one_pile():
 @pytest.mark.skipif(not kernels.enabled(), reason="takes long in plain Python")
 @pytest.mark.parametrize("law", few_of(["smith", "viscous"], ["smith"]))
 def test_a_continued_blow_is_one_that_did_not_stop(law):
+    """The sets of the two parts of a blow, cut at 0.02 s, add up to that of the whole;
+    in the second part the toe moves as in the whole.
+    """
     soil = ri.Soil(400e3, quake=QUAKE, damping=0.16, law=law)
     toe = ri.SmithToe(400e3, quake=QUAKE, damping=0.5)
     system = pile_in_soil(soil, toe)
@@ -350,8 +366,9 @@ def test_a_continued_blow_is_one_that_did_not_stop(law):
 
 @pytest.mark.parametrize("side", ["left", "right"])
 def test_contacts_that_begin_pressed_push_from_the_start_on(side):
-    """The end of the rod moves as by characteristics, to an error that falls with the
-    step. The rod lies on this `side`.
+    """A spring between a rod and a mass begins pressed by 0.1 m. The velocity of the
+    rod's end is that by characteristics, to an error that falls with the step. The rod
+    lies on this `side`.
     """
     rod = ri.Rod(1.0, area=1.0, material=SOFT)
     mass = ri.RigidMass(1.0)
@@ -396,6 +413,7 @@ def test_a_run_in_soil_needs_an_end():
 
 
 def test_members_of_a_family_have_soils_of_their_own():
+    """A sweep over two resistances gives the sets of two single runs."""
     soil = ri.Soil([200e3, 400e3], quake=QUAKE, damping=0.16)
     toe = ri.SmithToe(400e3, quake=QUAKE)
     system = pile_in_soil(soil, toe)
@@ -413,7 +431,7 @@ def test_members_of_a_family_have_soils_of_their_own():
 
 @pytest.mark.parametrize("owner", ["shaft", "toe"])
 def test_a_quake_of_metres_is_doubted(owner):
-    """2.5 m for 2.5 mm is the usual slip."""
+    """The status doubts 2.5 m at the shaft or the toe, a usual slip for 2.5 mm."""
     quakes = {"shaft": 2.5e-3, "toe": 2.5e-3}
     quakes[owner] = 2.5
     paths = {"shaft": "bodies.0.shaft.quake", "toe": "contacts.0.quake"}

@@ -18,7 +18,7 @@ both_methods = pytest.mark.parametrize("method", METHODS)
 
 
 def solve_by(method, system, until=None, **options):
-    """Solve by a method, with its options of `METHODS`."""
+    """The solution by a method, with its options of `METHODS`."""
     options |= METHODS[method]
     return ri.solve(system, until=until, method=method, **options)
 
@@ -40,7 +40,9 @@ STRETCH = 0.2  # of the spring at the wall in the beginning
 
 
 def chain_of_masses():
-    """Wall, spring, mass, spring and dashpot, mass; the rod beyond is never met."""
+    """System of a wall, a spring, a mass, a spring with a dashpot, a mass; the rod
+    beyond is never met. It is not solved.
+    """
     first = ri.RigidMass(FIRST_MASS)
     second = ri.RigidMass(SECOND_MASS, velocity=1.0)
     far_rod = unit_rod()
@@ -76,6 +78,9 @@ def exact_chain(times):
     [("characteristics", 1e-10), ("finite-difference", 1e-13)],
 )
 def test_a_chain_of_masses_swings_as_its_matrix_says(method, residual):
+    """Gaps and velocity are those of `exact_chain`; the energy balances, and
+    dissipation only grows.
+    """
     times = np.arange(0, 6, 1 / 8)
     first, second, _, velocity = exact_chain(times).T
 
@@ -102,7 +107,9 @@ def test_a_chain_of_masses_swings_as_its_matrix_says(method, residual):
 
 @both_methods
 def test_a_joined_mass_and_rod_are_struck_as_one_body(method):
-    """They go on with one velocity, and the contact with the striker is proved over."""
+    """They go on with one velocity; in a run five times as long the striker does not
+    meet them again.
+    """
     striker = unit_rod(velocity=1.0)
     mass = ri.RigidMass(0.5)
     bodies = [striker, mass, quick_rod()]
@@ -132,7 +139,9 @@ def test_a_joined_mass_and_rod_are_struck_as_one_body(method):
 
 
 def assert_last_contact_is_the_same(longer, solution):
-    """No later, but for round-off: the clock of a longer run is another one."""
+    """Assert that the last contact of a longer run is no later, except for round-off:
+    the clock of that run is another one.
+    """
     first_contact = longer.outcome.contacts[0]
     assert first_contact.last <= solution.t_final * (1 + 1e-12)
 
@@ -142,7 +151,9 @@ def assert_last_contact_is_the_same(longer, solution):
     "joint", [ri.Joint(0.0, damping=0.5), ri.Joint(0.5)], ids=["dashpot", "spring"]
 )
 def test_a_row_with_a_joint_is_proved_final_only_after_its_last_contact(method, joint):
-    """The proof counts on how far a joint gives way: what leaves slowly may still be
+    """A run four times as long has no later contact.
+
+    The proof counts on how far a joint gives way: what leaves slowly may still be
     caught by the swing of what hangs on the other side.
     """
     first = unit_rod(velocity=0.99)
@@ -231,7 +242,7 @@ def test_an_end_beyond_joints_is_where_the_proof_says_and_stays_within_its_bound
 
 @both_methods
 def test_a_compressed_joint_sets_a_row_at_rest_in_motion(method):
-    """So far that the second rod strikes the third."""
+    """It drives two rods at rest apart, so far that the second strikes the third."""
     bodies = [unit_rod(), unit_rod(), unit_rod()]
     compressed = ri.Joint(2.0, stretch=-0.1)
     system = ri.System(
@@ -252,7 +263,9 @@ def test_a_compressed_joint_sets_a_row_at_rest_in_motion(method):
 
 @both_methods
 def test_a_stretched_joint_holds_prestressed_rods_at_rest(method):
-    """Rods under tension between fixed ends."""
+    """Rods under tension between fixed ends do not move; the joint between them carries
+    the tension and stores its energy.
+    """
     tension = 0.02  # N
     unit_strain = tension  # E = 1 Pa, A = 1 m^2
     quick_strain = tension / (QUICK.youngs_modulus * 0.7)
@@ -284,7 +297,9 @@ def distance_at_joint(solution):
 
 
 def test_a_state_goes_on_with_its_stretch():
-    """Of the joint, so that its rods have no gap and the right distance."""
+    """A state in the middle of a run has the stretch of its joint and no gap. From it
+    on, gap and distance at the joint are those of the whole run.
+    """
     striker = unit_rod(velocity=1.0)
     joint = ri.Joint(3.0, damping=0.4)
     system = ri.System([striker, quick_rod()], contacts=[joint])
@@ -313,7 +328,9 @@ def test_a_state_goes_on_with_its_stretch():
 
 
 def test_ever_stiffer_joints_come_to_a_bond():
-    """A joint 100 times as stiff is more than 10 times as near to it."""
+    """The restitution with a joint goes to that with a bond: a joint 100 times as stiff
+    is more than 10 times as near to it.
+    """
 
     def restitution_with(law):
         """Restitution of a rod that strikes two rods which the law joins."""

@@ -85,7 +85,9 @@ def errors_of(solution, by_steps):
 
 @pytest.mark.parametrize("row", rows(12, 1))
 def test_random_rows_are_right_to_the_stated_error(row):
-    """Or to the errors of the method of steps, where these are larger."""
+    """Each measure is that of the method of steps, to the stated error and the error of
+    that method.
+    """
     system, until, by_steps = solved_by_steps(*row)
 
     solution = by_characteristics(system, until)
@@ -105,8 +107,9 @@ def test_random_rows_are_right_to_the_stated_error(row):
 
 @pytest.mark.parametrize(("seed", "rtol"), [(25, 1e-10), (47, 1e-10), (68, 1e-6)])
 def test_two_runs_that_miss_a_peak_alike_do_not_hide_its_error(seed, rtol):
-    """Peaks at which a wave jumps in a dashpot: both runs followed them by the same
-    pieces.
+    """Peaks differ from those of a run of smaller rtol by what both state at most. Here
+    a wave jumps in a dashpot; a run and the finer one beside it, by which errors are
+    estimated, took the same pieces.
     """
     system, until = random_compliant_row("dashpot", seed)
     exact = by_characteristics(system, until, rtol=1e-13)
@@ -153,7 +156,9 @@ def touching_rods(*contacts):
 @pytest.mark.parametrize("exponent", few_of([1.5, 2.0, 3.0, 4.0], [1.5, 4.0]))
 @pytest.mark.parametrize("first", ["rigid", "alike"])
 def test_no_force_acts_before_a_wave_can_arrive(first, exponent, stiffness):
-    """At the first contact, to which the wave of the second crosses the middle rod."""
+    """The first contact has no force, and its rod no velocity, until the wave of the
+    second contact has crossed the middle rod.
+    """
     law = ri.PowerLaw(stiffness, exponent=exponent)
     first_law = law
     if first == "rigid":
@@ -195,7 +200,7 @@ def test_a_drive_that_starts_late_and_softly_moves_nothing_before():
 
 def test_a_force_that_grows_slowly_begins_when_the_contact_closes():
     """The first waves of Hertz make an overlap that is round-off for a millionth of a
-    second.
+    second; the contact begins with their arrival all the same.
     """
     system, until = random_compliant_row("dashpot", 4)
     arrival = system.bodies[1].transit_time
@@ -225,6 +230,9 @@ def test_a_contact_that_presses_for_a_moment_is_not_missed():
 
 @pytest.mark.parametrize("row", rows(20, 1))
 def test_no_contact_pulls_and_impulses_are_those_of_forces_and_of_momenta(row):
+    """Forces are never negative, impulses are their integrals, and the momentum of all
+    bodies is kept.
+    """
     system, until = random_compliant_row(*row)
     solution = by_characteristics(system, until)
 
@@ -271,7 +279,9 @@ def test_the_end_of_a_rod_is_never_in_tension_where_it_touches(exponent):
 
 @pytest.mark.parametrize("row", rows(10, 1))
 def test_a_run_that_goes_on_is_as_exact_as_one_that_does_not_stop(row):
-    """Velocities of both differ by what they state, and by little."""
+    """Velocities of a run in two halves differ from those of the whole by what both
+    state, and by little.
+    """
     system, until = random_compliant_row(*row)
     half = until / 2
     whole = by_characteristics(system, until, rtol=1e-10)

@@ -28,6 +28,8 @@ from rodimpact.methods.signals import Pieces
 from rodimpact.methods.states import Status
 
 X = np.array(series.X)  # points of a piece, from -1 to 1
+FIRST_LINE = 0  # index of a line in a list of lines
+SECOND_LINE = 1
 
 
 def random_series(seed, n=POINTS):
@@ -61,7 +63,7 @@ def values_at_points(c):
 
 @pytest.mark.parametrize("degree", range(2 * N - 1))
 def test_integrals_are_exact_to_the_degree_of_radau(degree):
-    """Of x^degree from -1 to 1."""
+    """The integral of x^degree from -1 to 1 is exact to round-off."""
     values = X**degree
     difference = 1 - (-1) ** (degree + 1)  # of x^(degree + 1) at the ends
     exact = difference / (degree + 1)
@@ -110,7 +112,9 @@ def test_slopes_at_the_ends_of_a_piece_are_those_of_numpy(end):
 
 @pytest.mark.parametrize("y", [-0.9, 0.1, 1.0])
 def test_a_part_of_a_piece_is_the_same_polynomial(y):
-    """The part from -1 to y; its points take the place of those of the whole."""
+    """`restrict` replaces values at the points of a piece by those of its part from -1
+    to y.
+    """
     c = random_series(6)
     values = values_at_points(c)
 
@@ -296,12 +300,12 @@ def arriving(t, side="right"):
     ("tick", "ticks"), [(0, 300), (0, 600), (350, 700), (1100, 900)]
 )
 def test_what_left_arrives_a_delay_later(tick, ticks):
-    """Sampled over `ticks` from `tick` on."""
+    """Values sampled over `ticks` from `tick` on are those of `arriving`."""
     line, log = line_of_pieces()
-    lines.advance_to(line, log, 0, tick)
+    lines.advance_to(line, log, FIRST_LINE, tick)
     values = work()
 
-    lines.sample(line, log, 0, tick, ticks, values)
+    lines.sample(line, log, FIRST_LINE, tick, ticks, values)
 
     *times, end = tick + ticks * (X + 1) / 2
     expected = [arriving(t) for t in times]
@@ -314,13 +318,15 @@ def test_breaks_of_a_line_come_in_their_order():
 
     def next_break(tick, end):
         """The first break after a tick; or the end, if there is none before it."""
-        return lines.next_break(line, log, 0, tick, end)
+        return lines.next_break(line, log, FIRST_LINE, tick, end)
 
-    assert lines.known_until(line, log, 0) == 2000
+    assert lines.known_until(line, log, FIRST_LINE) == 2000
     assert next_break(0, 2000) == 600
     assert next_break(0, 500) == 500
     assert next_break(600, 2000) == 1100
-    assert lines.order_at(line, log, 0, 0) == 0  # at the beginning anything may jump
+    assert (
+        lines.order_at(line, log, FIRST_LINE, 0) == 0
+    )  # at the beginning anything may jump
 
 
 def test_breaks_that_have_passed_are_left_behind():
@@ -328,13 +334,13 @@ def test_breaks_that_have_passed_are_left_behind():
 
     def read_and_unread(tick):
         """Piece that is read at a tick, and number of breaks behind it."""
-        lines.advance_to(line, log, 0, tick)
+        lines.advance_to(line, log, FIRST_LINE, tick)
         return line[0].read_piece, line[0].unread_breaks
 
     assert read_and_unread(599) == (0, 2)
     assert read_and_unread(600) == (1, 1)
-    assert lines.order_at(line, log, 0, 600) == 0
-    assert lines.order_at(line, log, 0, 601) == SMOOTH
+    assert lines.order_at(line, log, FIRST_LINE, 600) == 0
+    assert lines.order_at(line, log, FIRST_LINE, 601) == SMOOTH
     assert read_and_unread(5000) == (2, 0)
 
 
@@ -360,10 +366,10 @@ def test_dense_breaks_keep_momentum_and_its_first_moment_and_gain_no_energy(
 ):
     """One smooth piece takes the place of all that arrives for `ticks` from `tick` on."""
     line, log = line_of_pieces()
-    lines.advance_to(line, log, 0, tick)
+    lines.advance_to(line, log, FIRST_LINE, tick)
     smoothed = work()
 
-    lines.project(line, log, 0, tick, ticks, smoothed)
+    lines.project(line, log, FIRST_LINE, tick, ticks, smoothed)
 
     def integral(values):
         """Integral over the time of the piece of values at its points."""
@@ -391,13 +397,14 @@ def constant(value):
 def append_constant(value, run, line, log):
     """Number of the piece that a constant from tick 100 to 150 adds, or `NONE`."""
     values = constant(value)
-    return lines.append_values(run, line, log, 0, 100, 50, values, work())
+    return lines.append_values(run, line, log, FIRST_LINE, 100, 50, values, work())
 
 
 CONSTANT_PIECE = (0, 100, SMOOTH, [2.0])
 
 
 def test_what_is_constant_stays_one_piece():
+    """The same constant lengthens the piece before and adds none."""
     run, line, log = line_of(CONSTANT_PIECE)
 
     new_piece = append_constant(2.0, run, line, log)
@@ -449,7 +456,7 @@ def test_a_break_is_hard_where_what_jumps_is_above_tolerance(
     after = start + (1.0 + slope) * u + (0.4 + bend) * u**2
     node = record_with(NODE, now=1000, outgoing=after.tolist())
 
-    lines.send(run, line, log, 0, node, 500, order)
+    lines.send(run, line, log, FIRST_LINE, node, 500, order)
 
     assert log[1].break_order == sent
     is_hard = sent <= MAX_HARD_ORDER
@@ -466,7 +473,7 @@ def test_the_first_reflection_of_a_free_end_has_a_break_of_its_order(sent, order
     empty_line = record_with(LINE, last_piece=NONE)
     line.append(empty_line)
     sent_before = constant(sent)
-    lines.append_values(run, line, log, 1, -1000, 1000, sent_before, work())
+    lines.append_values(run, line, log, SECOND_LINE, -1000, 1000, sent_before, work())
     end = record_with(
         NODE, incoming_lines=[0, NONE], outgoing_lines=[1, NONE], mobility=[1.0, 0.0]
     )
@@ -559,6 +566,9 @@ def pressed_link(fields):
 
 @pytest.mark.parametrize("fields", LAWS.values(), ids=LAWS)
 def test_a_force_satisfies_its_law(fields):
+    """The overlap is 0.3 m and the closing velocity 1.7 m/s; a bond takes all of the
+    velocity away.
+    """
     link = pressed_link(fields)
     overlap = 0.3
     closing = 1.7
@@ -579,6 +589,9 @@ def test_a_force_satisfies_its_law(fields):
 
 @pytest.mark.parametrize("fields", LAWS.values(), ids=LAWS)
 def test_derivatives_of_a_force_are_its_difference_quotients(fields):
+    """Its derivatives by overlap and by closing velocity are compared with central
+    differences.
+    """
     link = pressed_link(fields)
     step = 1e-6
     overlap = 0.3
@@ -617,7 +630,10 @@ def test_derivatives_of_a_force_are_its_difference_quotients(fields):
 def test_one_guard_ends_a_status_and_names_the_next(
     law, status, overlap, closing, next_status
 ):
-    """The law yields at 2 N, from an overlap of 0.2 m on; its table goes on at 9 N."""
+    """At this overlap and closing velocity just one guard of the link is negative, and
+    names the next status. The law yields at 2 N, from an overlap of 0.2 m on; its table
+    goes on at 9 N.
+    """
     damping = 0.5 if law == Law.POWER else 0.0
     link = record_with(
         LINK,

@@ -40,8 +40,8 @@ CRADLES = [  # velocities after as they are printed, and half of the last digit
 def test_balls_of_a_cradle_have_their_published_velocities(
     n, after, rounding, stiffness
 ):
-    """They do not depend on the stiffness; momentum and energy are those of the first
-    ball, of 1 kg at 1 m/s.
+    """Velocities after are the printed ones, at any stiffness; momentum and energy are
+    those of the first ball, of 1 kg at 1 m/s.
     """
     cradle = balls(n, ri.Hertz(stiffness))
 
@@ -95,7 +95,9 @@ def duration_and_peak_force(mass, velocity, law):
 def test_two_bodies_collide_as_closed_forms_say_to_the_stated_errors(
     law, velocity, other, reduced_mass, after
 ):
-    """Velocities are those of rigid bodies; force and duration are those of the law."""
+    """Velocities are those of rigid bodies, force and duration those of
+    `duration_and_peak_force`, each to the stated error.
+    """
     striker = ri.RigidMass(2.0, velocity=velocity)
     system = ri.System([striker, other], gaps=[0.1], contacts=[law])
     duration, peak_force = duration_and_peak_force(reduced_mass, velocity, law)
@@ -128,7 +130,8 @@ def test_two_bodies_collide_as_closed_forms_say_to_the_stated_errors(
     ],
 )
 def test_rigid_balls_in_contact_strike_together_and_apart_one_by_one(gap, e, after):
-    """Of equal balls the struck one takes (1 + e)/2 of the closing velocity.
+    """Three equal balls without gaps are struck as one; with gaps each struck ball
+    takes (1 + e)/2 of the closing velocity.
 
     With e = 0.5 it takes 0.75, and passes 0.5625 on; the first ball, at 0.25 m/s, then
     meets the second, at 0.1875 m/s, again.
@@ -163,6 +166,9 @@ def test_blows_do_not_depend_on_the_unit_of_mass(unit):
 @pytest.mark.parametrize("e", [0.0, 0.5, 1.0])
 @pytest.mark.parametrize("gap", [0.0, 0.3])
 def test_a_blow_of_two_rigid_masses_takes_no_time_and_its_share_of_the_energy(gap, e):
+    """Velocities, impulse and lost energy are those of the reduced mass; the contact
+    begins after the flight over the gap and lasts for 0 s.
+    """
     first = ri.RigidMass(2.0, velocity=1.0)
     second = ri.RigidMass(3.0, velocity=-0.5)
     law = ri.Rigid(restitution=e)
@@ -192,6 +198,9 @@ def test_a_blow_of_two_rigid_masses_takes_no_time_and_its_share_of_the_energy(ga
     "law", [ri.Rigid(restitution=0.5), ri.SpringDashpot(1e4, damping=150.0)]
 )
 def test_a_stack_comes_to_rest_and_carries_its_weight(law):
+    """Three masses fall on a floor. In the end they are at rest, and each contact has
+    the force and the impulse of the weight above it.
+    """
     masses = [ri.RigidMass(1.0), ri.RigidMass(2.0), ri.RigidMass(3.0)]
     floor = ri.Wall()
     system = ri.System(
@@ -216,7 +225,9 @@ def test_a_stack_comes_to_rest_and_carries_its_weight(law):
     ("end", "push"), [(ri.Free(), 0.0), (ri.Pushed(0.7), 0.7)], ids=["free", "pushed"]
 )
 def test_masses_on_joints_swing_as_an_oscillator(end, push):
-    """Two masses on a spring and dashpot, the first pushed or not."""
+    """Velocities of two masses on a spring and dashpot, the first pushed or not, are
+    those of their integrated equation of motion.
+    """
     first = ri.RigidMass(2.0, velocity=1.0)
     second = ri.RigidMass(3.0)
     joint = ri.Joint(5.0, damping=0.4)
@@ -256,6 +267,9 @@ def test_masses_on_joints_swing_as_an_oscillator(end, push):
 @pytest.mark.parametrize("gap", few_of([0.0, 1e-4, 1e150], [1e-4]))
 @pytest.mark.parametrize("other", [ri.Wall(), ri.RigidMass(2.0)])
 def test_masses_at_rest_stay_at_rest_at_any_gap(law, gap, other):
+    """A mass at rest beside a wall or another mass: the run is final, without impulse
+    or velocity.
+    """
     mass = ri.RigidMass(1.0)
     system = ri.System([mass, other], gaps=[gap], contacts=[law])
 
@@ -293,7 +307,9 @@ def test_the_stated_error_of_a_duration_after_a_long_flight_bounds_the_true_one(
 
 @pytest.mark.parametrize("gap", [1e10, 1e20])
 def test_a_contact_too_short_for_the_clock_is_refused(gap):
-    """It is short beside the flight over the gap, at 1 m/s, which the clock counts."""
+    """It is short beside the flight over the gap, at 1 m/s, which the same clock
+    counts.
+    """
     law = ri.Hertz(1e10)
     system = ri.System([STRIKER, ri.Wall()], gaps=[gap], contacts=[law])
     with pytest.raises(ri.InvalidModel, match=r"it lasts about 0\.0003 s, too short"):
@@ -303,7 +319,9 @@ def test_a_contact_too_short_for_the_clock_is_refused(gap):
 @pytest.mark.parametrize("wall_velocity", [0.0, -0.25])
 @pytest.mark.parametrize("is_on_left", [True, False])
 def test_a_mass_bonded_to_a_wall_has_its_velocity(wall_velocity, is_on_left):
-    """A push on the other end of the row, 100 N, is no velocity of the wall."""
+    """A push of 100 N on the other end of the row does not change the velocity of the
+    wall and of the mass on it.
+    """
     free = ri.RigidMass(1.0)
     bonded = ri.RigidMass(2.0, velocity=wall_velocity)
     wall = ri.Wall(velocity=wall_velocity)

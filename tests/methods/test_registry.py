@@ -36,7 +36,9 @@ MISTAKES = [
 @pytest.mark.parametrize(("name", "value"), MISTAKES)
 @pytest.mark.parametrize("ask", [ri.solve, ri.sweep])
 def test_mistakes_of_options_are_the_same_in_solve_and_sweep(name, value, ask):
-    """Those of `Options`, by the name of the option."""
+    """`Options`, `solve` and `sweep` refuse a wrong value in the same words, by the
+    name of the option.
+    """
     options = {name: value}
 
     messages = problems(lambda: Options(**options))
@@ -81,7 +83,7 @@ ALL_WRONG = {
     ],
 )
 def test_all_mistakes_are_told_once_each(wrong):
-    """All are told but rtol, which is right, or wrong only beside the others."""
+    """All are told except rtol, which is right, or wrong only beside the others."""
     paths = refused("must|give", Options, **wrong)
     expected = set(wrong) - {"rtol"}
     assert sorted(paths) == sorted(expected)
@@ -229,7 +231,7 @@ ON_GRID = {"method": "finite-difference", "cells": 20}
 
 @pytest.mark.parametrize("options", OPTIONS_OF_GRID)
 def test_options_of_a_grid_are_taken_where_the_row_needs_one(options):
-    """As one of damped rods does."""
+    """A damped rod needs a grid."""
     row = ri.System([LOSSY])
     method = Options(**options).method_for(row)
     assert method == "finite-difference"

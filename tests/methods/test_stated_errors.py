@@ -142,6 +142,7 @@ ONCE_UNSEEN = {  # kind and seed of the row, and rtol
 
 @pytest.mark.parametrize("case", ONCE_UNSEEN.values(), ids=ONCE_UNSEEN)
 def test_an_error_that_was_once_not_seen_is_stated(case):
+    """Errors beside a finer run are at most what both runs state."""
     kind, seed, rtol = case
     system, until = row_of(kind, seed)
     assert_bounded(system, until, rtol)
@@ -154,13 +155,16 @@ USUAL = [(kind, 9, 1e-8) for kind in ALL_KINDS]
 
 @pytest.mark.parametrize("case", few_of(ROWS, USUAL))
 def test_stated_errors_bound_those_of_random_rows(case):
+    """Errors beside a finer run are at most what both runs state."""
     kind, seed, rtol = case
     system, until = row_of(kind, seed)
     assert_bounded(system, until, rtol)
 
 
 def test_a_spring_whose_force_ends_before_it_opens_states_the_difference():
-    """Its last piece has a force that counts as none, for the overlap is too small."""
+    """The time between is within the stated error of times. The last piece of the
+    spring has a force that counts as none, for its overlap is too small.
+    """
     system, until = random_compliant_row("power", 34)
 
     solution = by_characteristics(system, until, EXACT_RTOL)
