@@ -22,12 +22,14 @@ def intervals(force, gap):
     """
     forces = np.array(force, float)
     gaps = np.array(gap, float)
-    return contact_intervals(forces, gaps, np.inf)[:, :2]
+    rows = contact_intervals(forces, gaps, np.inf)
+    return rows[:, :2]
 
 
 def means(force, times):
     """Integrals of a polynomial from time to time: its means over steps of 1."""
-    return np.diff(force.integ()(times))
+    integral = force.integ()
+    return np.diff(integral(times))
 
 
 def test_the_peak_of_a_hump_is_found_behind_its_means():
@@ -47,9 +49,14 @@ def test_no_force_has_no_peak():
 
 @pytest.mark.parametrize("direction", [1, -1])
 def test_the_peak_of_a_jump_is_that_at_the_jump(direction):
-    """Before the force falls evenly, or after it has risen (-1)."""
-    falling = means(Polynomial([1.0, -0.02, 1e-4]), STEP_ENDS)
-    force = np.concatenate(([0.0, 0.0], falling[::direction], [0.0, 0.0]))
+    """Before it the force falls evenly from 1, or after it rises evenly to 1: then
+    `direction` is -1 and the order of the means is reversed.
+    """
+    polynomial = Polynomial([1.0, -0.02, 1e-4])
+    falling = means(polynomial, STEP_ENDS)
+    beside_jump = falling[::direction]
+    nothing = [0.0, 0.0]
+    force = np.concatenate((nothing, beside_jump, nothing))
     assert largest_force(force) == pytest.approx(1.0, abs=1e-12)
 
 
@@ -64,7 +71,9 @@ PARABOLAS = {  # gaps over time, of an indentation that ends at 2.7
 def test_an_indentation_ends_where_its_parabola_does(parabola):
     gap = parabola(np.arange(6.0))
 
-    (interval,) = intervals([1, 1, 1, 0, 0], gap)
+    force = [1, 1, 1, 0, 0]
+
+    (interval,) = intervals(force, gap)
 
     _, end = interval
     assert end == pytest.approx(2.7)
@@ -74,16 +83,20 @@ def test_an_indentation_ends_where_its_parabola_does(parabola):
 def test_an_indentation_of_a_single_step_ends_on_a_line(parabola):
     """There are too few gaps for a parabola."""
     gap = parabola(np.arange(6.0))
-    zero_of_line = 2 - gap[2] / (gap[3] - gap[2])  # through the gaps at 2 and 3
+    slope = gap[3] - gap[2]  # of the line through the gaps at 2 and 3
+    zero_of_line = 2 - gap[2] / slope
+    force = [0, 0, 1, 0, 0]
 
-    (interval,) = intervals([0, 0, 1, 0, 0], gap)
+    (interval,) = intervals(force, gap)
 
     _, end = interval
     assert end == pytest.approx(zero_of_line)
 
 
 def test_an_indentation_that_does_not_end_ends_with_its_force():
-    (interval,) = intervals([1, 1, 1, 0, 0], [-1.0] * 6)
+    force = [1, 1, 1, 0, 0]
+    gap = [-1.0] * 6
+    (interval,) = intervals(force, gap)
     _, end = interval
     assert end == 3.0
 
@@ -110,7 +123,8 @@ def test_a_force_begins_and_ends_where_lines_of_the_gap_are_0():
     # Before the force the gap falls by 0.6 a step, after it rises by 0.4.
     begin = 2 + 0.1 / 0.6
     end = 3 + 0.1 / 0.4
-    assert begins_and_ends == pytest.approx(np.array([[begin, end]]))
+    expected = np.array([[begin, end]])
+    assert begins_and_ends == pytest.approx(expected)
 
 
 @pytest.mark.parametrize(
@@ -148,14 +162,18 @@ def test_a_rigid_contact_lets_go_where_its_means_tell(force, end):
 
 
 def test_a_force_that_goes_on_has_no_end():
-    begins_and_ends = intervals([0, 1, 0, 2, 2], [0.0] * 6)
+    force = [0, 1, 0, 2, 2]
+    shut = [0.0] * 6
+    begins_and_ends = intervals(force, shut)
 
     expected = np.array([[1.0, 2.0], [3.0, np.nan]])
     assert begins_and_ends == pytest.approx(expected, nan_ok=True)
 
 
 def test_without_force_there_is_no_interval():
-    assert intervals([0, 0], [0.0] * 3).shape == (0, 2)
+    force = [0, 0]
+    shut = [0.0] * 3
+    assert intervals(force, shut).shape == (0, 2)
 
 
 @pytest.mark.parametrize(
@@ -175,4 +193,5 @@ def test_without_force_there_is_no_interval():
 )
 def test_the_share_of_the_last_step_that_a_jump_leaves(force, share):
     """1 where the last mean is as large as the ones before let expect."""
-    assert share_of_jump(np.array(force, float)) == pytest.approx(share)
+    forces = np.array(force, float)
+    assert share_of_jump(forces) == pytest.approx(share)

@@ -33,15 +33,16 @@ def power(d, _):
 
 
 def pair(law, gap=0.0):
-    """A bar at 1 m/s that strikes a longer one."""
+    """System of a bar at 1 m/s that strikes a longer one through a law."""
     striker = BAR.replace(length=0.4, velocity=1.0)
     return ri.System([striker, BAR], gaps=[gap], contacts=[law])
 
 
 def masses_and_bar(law):
-    """Two masses, of which the first moves, before a bar."""
+    """System of two masses, of which the first moves, before a bar."""
     mass = ri.RigidMass(0.1, velocity=1.0)
-    return ri.System([mass, ri.RigidMass(0.05), BAR], contacts=[law, law])
+    struck = ri.RigidMass(0.05)
+    return ri.System([mass, struck, BAR], contacts=[law, law])
 
 
 def rows_with(law):
@@ -53,7 +54,8 @@ def rows_with(law):
 def test_outcomes_of_a_law_of_ones_own_are_those_of_the_law_that_it_repeats(name):
     function, law = LAWS[name]
     own_rows = rows_with(ri.Law(function))
-    for own_row, row in zip(own_rows, rows_with(law), strict=True):
+    pairs = zip(own_rows, rows_with(law), strict=True)
+    for own_row, row in pairs:
         expected = ri.solve(row, until=1e-3).outcome
 
         solution = ri.solve(own_row, until=1e-3)
@@ -61,17 +63,22 @@ def test_outcomes_of_a_law_of_ones_own_are_those_of_the_law_that_it_repeats(name
         assert solution.method == "characteristics"
         outcome = solution.outcome
         velocities = np.array(outcome.velocities_after)
-        assert velocities == pytest.approx(expected.velocities_after, abs=1e-10)
-        for contact, other in zip(outcome.contacts, expected.contacts, strict=True):
+        expected_velocities = expected.velocities_after
+        assert velocities == pytest.approx(expected_velocities, abs=1e-10)
+        contacts = zip(outcome.contacts, expected.contacts, strict=True)
+        for contact, other in contacts:
             assert contact.impulse == pytest.approx(other.impulse, rel=1e-10)
             assert contact.peak_force == pytest.approx(other.peak_force, rel=1e-9)
-        assert outcome.dissipated == pytest.approx(expected.dissipated, abs=1e-9)
+        lost = expected.dissipated
+        assert outcome.dissipated == pytest.approx(lost, abs=1e-9)
 
 
 def test_energy_that_is_stored_is_the_integral_of_the_force():
     overlaps = [0.0, 1e-4]
-    expected = ri.Hertz(1e10).stored(overlaps)
-    assert ri.Law(power).stored(overlaps) == pytest.approx(expected)
+    hertz = ri.Hertz(1e10)
+    own_law = ri.Law(power)
+    expected = hertz.stored(overlaps)
+    assert own_law.stored(overlaps) == pytest.approx(expected)
 
 
 def test_a_contact_does_not_pull_where_the_force_is_negative():
@@ -87,12 +94,17 @@ def test_a_contact_does_not_pull_where_the_force_is_negative():
 
 @pytest.mark.exhaustive
 def test_members_of_a_family_are_single_runs():
+    """Restitutions of a sweep over two speeds are those of two runs."""
     speeds = np.array([1.0, 3.0])
     striker = BAR.replace(length=0.4, velocity=speeds)
-    family = ri.System([striker, BAR], contacts=[ri.Law(power)])
+    law = ri.Law(power)
+    family = ri.System([striker, BAR], contacts=[law])
 
     result = ri.sweep(family)
-    restitutions = [ri.solve(family[i]).outcome.restitution for i in range(2)]
+    restitutions = []
+    for i in range(2):
+        alone = ri.solve(family[i])
+        restitutions.append(alone.outcome.restitution)
 
     assert result.restitution.tolist() == restitutions
 
@@ -116,7 +128,9 @@ def own_laws():
     def dashpot(d, rate):
         return 2e8 * d + 100.0 * rate
 
-    return (3, numba.njit(power)), (5, numba.njit(dashpot))
+    compiled_power = numba.njit(power)
+    compiled_dashpot = numba.njit(dashpot)
+    return (3, compiled_power), (5, compiled_dashpot)
 
 
 def test_compiled_and_plain_kernels_call_the_function_of_a_link(own_laws):
@@ -130,14 +144,17 @@ def test_compiled_and_plain_kernels_call_the_function_of_a_link(own_laws):
     compiled_force = compiling.compiled(contact_laws.force, own_laws)
     plain_force = compiling.interpreted(contact_laws.force, own_laws)
 
-    for record, (number, function) in zip(records, own_laws, strict=True):
+    pairs = zip(records, own_laws, strict=True)
+    for record, (number, function) in pairs:
         record["function"] = number
-        (link,) = record_lists.as_objects(np.array([record]))
-        for d, closing in ((1e-5, 1.0), (2e-4, -0.3)):
+        one_record = np.array([record])
+        (link,) = record_lists.as_objects(one_record)
+        for d, closing in [(1e-5, 1.0), (2e-4, -0.3)]:
             by_compiled = compiled_force(record, d, closing)
             assert by_compiled == plain_force(link, d, closing)
             F, *_ = by_compiled
-            expected = function(d, closing - mobility * F)
+            rate = closing - mobility * F
+            expected = function(d, rate)
             assert pytest.approx(expected, rel=1e-12) == F
 
 
@@ -145,7 +162,8 @@ def test_compiled_and_plain_kernels_call_the_function_of_a_link(own_laws):
 def test_functions_that_numba_has_compiled_run_the_same_compiled(own_laws):
     mass = ri.RigidMass(0.1, velocity=1.0)
     laws = [ri.Law(function) for _, function in own_laws]
-    row = ri.System([mass, BAR, ri.RigidMass(0.2)], contacts=laws)
+    last_mass = ri.RigidMass(0.2)
+    row = ri.System([mass, BAR, last_mass], contacts=laws)
 
     plain = ri.solve(row, until=1e-3).outcome
     with kernels.forced(compiling=True):
@@ -181,5 +199,6 @@ def test_a_solution_with_it_is_refused_by_a_file_and_leaves_none(tmp_path):
 def test_laws_are_equal_if_their_functions_are_also_after_pickling():
     system = pair(ri.Law(power))
     other_function, _ = LAWS["spring"]
-    assert pickle.loads(pickle.dumps(system)) == system
+    pickled = pickle.dumps(system)
+    assert pickle.loads(pickled) == system
     assert system != pair(ri.Law(other_function))

@@ -25,16 +25,15 @@ def stepped_rod(rng, velocity, n=3):
     areas = rng.uniform(0.3, 3, n)
     segments = []
     for length, area in zip(lengths, areas, strict=True):
-        segments.append(ri.Segment(float(length), area=float(area), material=UNIT))
+        segment = ri.Segment(float(length), area=float(area), material=UNIT)
+        segments.append(segment)
     total = float(lengths.sum())
     places = [0.3 * total, 0.6 * total]
     velocities = velocity + rng.uniform(-1, 1, 3)
     strains = 0.3 * rng.uniform(-1, 1, 3)
-    return ri.Rod(
-        segments=segments,
-        velocity=ri.Steps(velocities.tolist(), at=places),
-        strain=ri.Steps(strains.tolist(), at=places),
-    )
+    velocity_steps = ri.Steps(velocities.tolist(), at=places)
+    strain_steps = ri.Steps(strains.tolist(), at=places)
+    return ri.Rod(segments=segments, velocity=velocity_steps, strain=strain_steps)
 
 
 def parts_at_start(system):
@@ -50,16 +49,19 @@ def parts_at_start(system):
 
 def rod_with_a_mass(rng, rod):
     """A row of a rod and a random mass on a random joint."""
-    mass = ri.RigidMass(float(rng.uniform(0.1, 2)), velocity=float(rng.uniform(-1, 1)))
+    kilograms = float(rng.uniform(0.1, 2))
+    velocity = float(rng.uniform(-1, 1))
+    mass = ri.RigidMass(kilograms, velocity=velocity)
     stiffness = float(rng.uniform(0.5, 5))
-    joint = ri.Joint(stiffness, stretch=float(rng.uniform(-0.1, 0.1)))
+    stretch = float(rng.uniform(-0.1, 0.1))
+    joint = ri.Joint(stiffness, stretch=stretch)
     return ri.System([rod, mass], contacts=[joint])
 
 
 @pytest.mark.parametrize("seed", few_of(range(12), range(4)))
 def test_the_ends_of_a_group_deviate_within_their_bounds(seed):
-    """Both ends of a stepped rod, or of one with a mass on a joint, for some
-    transits.
+    """Both ends of a stepped rod, or of one with a mass on a joint, stay within the
+    bound for 8 s; the bound is at most 20 times what is reached.
     """
     rng = default_rng(seed)
     rod = stepped_rod(rng, velocity=0.2)
@@ -74,10 +76,12 @@ def test_the_ends_of_a_group_deviate_within_their_bounds(seed):
     solution = ri.solve(system, until=8.0, method="characteristics")
 
     velocity = group.group_velocity + solution.run.clock.frame
-    for side, (body, x) in enumerate([(0, 0.0), right_end]):
+    ends = [(0, 0.0), right_end]
+    for side, (body, x) in enumerate(ends):
         displacement = solution.displacement(body, x, t)
         change = displacement - displacement[0]
-        deviation = group.end_deviations[side] + change - velocity * t
+        mean_motion = velocity * t
+        deviation = group.end_deviations[side] + change - mean_motion
         largest = np.abs(deviation).max()
         compliance = group.compliance_integrals[side]
         bound = np.sqrt(2 * group.reference_energy * compliance)
@@ -94,14 +98,14 @@ def test_a_mass_on_a_dashpot_deviates_within_its_bound(damping):
     at most sqrt(2 E) (sqrt(s) + 2 (2/3)/c), with s = (2/3)^2 L/(3 E A) = 4/27.
     """
     rod = unit_rod(1.0, velocity=1.0)
-    system = ri.System(
-        [rod, ri.RigidMass(0.5, velocity=-0.5)],
-        contacts=[ri.Joint(0.0, damping=damping)],
-    )
+    mass = ri.RigidMass(0.5, velocity=-0.5)
+    dashpot = ri.Joint(0.0, damping=damping)
+    system = ri.System([rod, mass], contacts=[dashpot])
     group = parts_at_start(system)[0]
     reach = np.sqrt(4 / 27) + 2 * (2 / 3) / damping
     right_end = 1
-    assert group.compliance_integrals[right_end] == pytest.approx(reach**2, rel=1e-9)
+    compliance = group.compliance_integrals[right_end]
+    assert compliance == pytest.approx(reach**2, rel=1e-9)
 
     solution = ri.solve(system, until=8.0, method="characteristics")
 
@@ -120,12 +124,11 @@ def test_a_mass_on_a_dashpot_deviates_within_its_bound(damping):
 @pytest.mark.parametrize("law", [ri.Hertz(20.0), ri.SpringDashpot(20.0, damping=0.5)])
 def test_a_run_three_times_as_long_as_a_final_one_has_the_same_contacts(seed, law):
     rng = default_rng(seed)
-    bodies = [
-        stepped_rod(rng, velocity=1.0, n=1),
-        ri.RigidMass(0.5),
-        stepped_rod(rng, velocity=-0.3, n=1),
-    ]
-    system = ri.System(bodies, gaps=[0.1, 0.1], contacts=[law, ri.Spring(50.0)])
+    left = stepped_rod(rng, velocity=1.0, n=1)
+    mass = ri.RigidMass(0.5)
+    right = stepped_rod(rng, velocity=-0.3, n=1)
+    laws = [law, ri.Spring(50.0)]
+    system = ri.System([left, mass, right], gaps=[0.1, 0.1], contacts=laws)
 
     solution = ri.solve(system)
     longer = ri.solve(system, until=3 * solution.t_end)
@@ -142,7 +145,8 @@ def test_a_run_three_times_as_long_as_a_final_one_has_the_same_contacts(seed, la
 def test_the_energy_about_the_mean_is_that_of_the_ledger():
     """Of a group of one rod it is the energy of vibration."""
     rng = default_rng(3)
-    system = ri.System([stepped_rod(rng, velocity=0.4)])
+    rod = stepped_rod(rng, velocity=0.4)
+    system = ri.System([rod])
     solution = ri.solve(system, until=1.0, method="characteristics")
     vibration = float(solution.energy(0.0).vibration)
 

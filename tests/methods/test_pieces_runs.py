@@ -18,16 +18,26 @@ METHOD = "characteristics"
 
 
 def numbers_of(solution):
-    """Velocities of rods, forces and totals of contacts, one behind the other."""
+    """Velocities of rods, forces and totals of contacts, one behind the other, in one
+    array.
+    """
     times = np.linspace(0, solution.t_end, 9)
     numbers = []
     for i, body in enumerate(solution.system.bodies):
         if isinstance(body, ri.Rod):
-            numbers.append(solution.velocity(i, 0.3 * body.length, times))
+            x = 0.3 * body.length
+            numbers.append(solution.velocity(i, x, times))
     for contact in solution.contacts:
+        totals = [contact.impulse, contact.peak_force, contact.duration]
         numbers.append(contact.force(times))
-        numbers.append([contact.impulse, contact.peak_force, contact.duration])
+        numbers.append(totals)
     return np.concatenate(numbers)
+
+
+def solved(system, compiling):
+    """The solution by characteristics to 2 s, compiled or in plain Python."""
+    with kernels.forced(compiling):
+        return ri.solve(system, until=2.0, method=METHOD)
 
 
 # The same however it is run
@@ -40,20 +50,22 @@ def test_a_run_that_starts_with_little_room_comes_to_the_same_numbers(
 ):
     """Its logs are lengthened as it goes."""
     system = random_network(seed)
-    with kernels.forced(compiling=False):
-        expected = ri.solve(system, until=2.0, method=METHOD)
-        monkeypatch.setattr(driver, "INITIAL_LOG_ROWS", 4)
-        monkeypatch.setattr(driver, "INITIAL_CONTACT_ROWS", 1100)
-        solution = ri.solve(system, until=2.0, method=METHOD)
+    expected = solved(system, compiling=False)
+    monkeypatch.setattr(driver, "INITIAL_LOG_ROWS", 4)
+    monkeypatch.setattr(driver, "INITIAL_CONTACT_ROWS", 1100)
 
-    assert np.array_equal(numbers_of(solution), numbers_of(expected))
+    solution = solved(system, compiling=False)
+
+    numbers = numbers_of(solution)
+    assert np.array_equal(numbers, numbers_of(expected))
 
 
 def family():
     """A family of 2 x 4 members, by stiffness and length."""
     lengths = np.array([0.4, 0.7, 1.0, 0.9])
     stiffnesses = np.array([[10.0], [1e5]])
-    bodies = [unit_rod(lengths, velocity=1.0), ri.RigidMass(0.5), unit_rod(1.3)]
+    striker = unit_rod(lengths, velocity=1.0)
+    bodies = [striker, ri.RigidMass(0.5), unit_rod(1.3)]
     laws = [ri.Hertz(stiffnesses), ri.HuntCrossley(20.0, damping=0.2)]
     return ri.System(bodies, gaps=[0.0, 0.01], contacts=laws)
 
@@ -63,7 +75,8 @@ def totals_of(result):
     columns = [velocities.tolist() for velocities in result.velocities_after]
     for contact in result.contacts:
         for name in ("impulse", "peak_force", "duration", "episodes"):
-            columns.append(getattr(contact, name).tolist())
+            totals = getattr(contact, name)
+            columns.append(totals.tolist())
     return columns
 
 
@@ -74,7 +87,7 @@ needs_compiler = pytest.mark.skipif(
 
 @pytest.fixture(scope="module")
 def swept():
-    """Results of the whole family."""
+    """Results of the whole `family`, of all members at once."""
     return ri.sweep(family())
 
 
@@ -95,9 +108,11 @@ def test_members_are_the_same_in_threads_and_in_any_chunks(monkeypatch, swept):
 @needs_compiler
 @pytest.mark.parametrize("index", few_of([(0, 0), (1, 2)], [(1, 2)]))
 def test_members_are_single_solves(swept, index):
+    """Velocities and totals of a member are those of its own run, bit for bit."""
     with kernels.forced(compiling=False):
-        outcome = ri.solve(family()[index]).outcome
+        solution = ri.solve(family()[index])
 
+    outcome = solution.outcome
     velocities = [column[index] for column in swept.velocities_after]
     assert tuple(velocities) == outcome.velocities_after
     for columns, contact in zip(swept.contacts, outcome.contacts, strict=True):
@@ -109,11 +124,10 @@ def test_members_are_single_solves(swept, index):
 @needs_compiler
 def test_plain_python_runs_the_same_bits_as_machine_code():
     for seed in range(2):
-        system = random_network(seed, bodies=4, driven=seed % 2 == 1)
-        with kernels.forced(compiling=False):
-            plain = ri.solve(system, until=2.0, method=METHOD)
-        with kernels.forced(compiling=True):
-            compiled = ri.solve(system, until=2.0, method=METHOD)
+        driven = seed % 2 == 1
+        system = random_network(seed, bodies=4, driven=driven)
+        plain = solved(system, compiling=False)
+        compiled = solved(system, compiling=True)
 
         # Texts tell 0.0 from -0.0, and nan is as nan.
         plain_text = repr(numbers_of(plain).tolist())
@@ -127,8 +141,11 @@ def test_plain_python_runs_the_same_bits_as_machine_code():
 
 @pytest.mark.parametrize("seed", few_of(range(30), range(2)))
 def test_random_rows_are_near_those_of_finite_differences_and_keep_their_energy(seed):
-    """Two methods that share the row and nothing else, on all bodies, laws and ends."""
-    system = random_network(seed, bodies=4, driven=seed % 2 == 1)
+    """Two methods that share the row and nothing else, on all bodies, laws and ends:
+    velocities differ by 0.01 m/s at most, impulses by 0.5 %.
+    """
+    driven = seed % 2 == 1
+    system = random_network(seed, bodies=4, driven=driven)
     grid = ri.solve(
         system, until=1.0, method="finite-difference", cells=400, snapshots=2
     )
@@ -142,8 +159,11 @@ def test_random_rows_are_near_those_of_finite_differences_and_keep_their_energy(
     for contact, on_grid in zip(solution.contacts, grid.contacts, strict=True):
         impulse = on_grid.impulse
         assert contact.impulse == pytest.approx(impulse, rel=5e-3, abs=5e-3)
-    energy = solution.energy(np.linspace(0, 1.0, 33))
-    scale = np.abs(energy.kinetic).max() + np.abs(energy.vibration).max() + 1.0
+    times = np.linspace(0, 1.0, 33)
+    energy = solution.energy(times)
+    largest_kinetic = np.abs(energy.kinetic).max()
+    largest_vibration = np.abs(energy.vibration).max()
+    scale = largest_kinetic + largest_vibration + 1.0
     # The residual may be as large as the energy that rigid contacts are stated to lose.
     numerical = np.abs(energy.numerical).max()
     residual = np.abs(energy.residual).max()
@@ -163,8 +183,10 @@ def test_waves_that_are_smoothed_keep_the_momentum_of_each_rod():
     velocities = (1.0, 0.2, -0.1, -0.7)
     bodies = []
     for length, area, velocity in zip(lengths, areas, velocities, strict=True):
-        bodies.append(unit_rod(length, area=area, velocity=velocity))
-    system = ri.System(bodies, ends=(ri.Fixed(), ri.Fixed()))
+        rod = unit_rod(length, area=area, velocity=velocity)
+        bodies.append(rod)
+    fixed_ends = (ri.Fixed(), ri.Fixed())
+    system = ri.System(bodies, ends=fixed_ends)
 
     solution = ri.solve(system, until=10.0, method=METHOD)
 
@@ -172,7 +194,8 @@ def test_waves_that_are_smoothed_keep_the_momentum_of_each_rod():
     outcome = solution.outcome
     impulses = [contact.impulse for contact in solution.contacts]
     for i in (1, 2):  # the rods between two contacts
-        change = outcome.velocities_after[i] - outcome.velocities_before[i]
+        velocity_before = outcome.velocities_before[i]
+        change = outcome.velocities_after[i] - velocity_before
         momentum_gained = bodies[i].mass * change
         impulse = impulses[i - 1] - impulses[i]
         assert impulse == pytest.approx(momentum_gained, abs=1e-8)

@@ -10,8 +10,9 @@ import rodimpact as ri
 
 
 def pair(law):
-    """A rod at 1 m/s that strikes a longer one through a law."""
-    return ri.System([unit_rod(0.4, velocity=1.0), unit_rod(1.0)], contacts=[law])
+    """System of a rod at 1 m/s that strikes a longer one through a law."""
+    striker = unit_rod(0.4, velocity=1.0)
+    return ri.System([striker, unit_rod(1.0)], contacts=[law])
 
 
 LAWS = []
@@ -40,7 +41,8 @@ def test_stiff_contacts_of_rods_are_near_rigid_ones_in_few_steps(law):
     velocities = outcome.velocities_after
     expected = with_rigid.outcome.velocities_after
     assert velocities == pytest.approx(expected, abs=bound)
-    assert outcome.peak_force == pytest.approx(0.5 * 1.0, abs=bound)  # Z V
+    rigid_force = 0.5 * 1.0  # Z V
+    assert outcome.peak_force == pytest.approx(rigid_force, abs=bound)
     assert abs(outcome.energy_residual) <= 1e-9
     # Steps of the rise time of the stiffest spring would be 4e10.
     assert solution.events <= 2000
@@ -54,20 +56,29 @@ def test_impulses_on_a_mass_between_stiff_contacts_are_near_those_of_rigid_ones(
     """The force on the mass m = 0.5 rises in about sqrt(m/k) through springs, and in
     (m/k)^(1/3) or so through Hertz contacts. All balances close.
     """
-    row = [unit_rod(1.0, velocity=1.0), ri.RigidMass(0.5), unit_rod(1.0, area=2.0)]
+    first = unit_rod(1.0, velocity=1.0)
+    mass = ri.RigidMass(0.5)
+    last = unit_rod(1.0, area=2.0)
+    bodies = [first, mass, last]
     until = 1.5
     rise_time = 1 / math.sqrt(k)  # of the force on the mass, about
     if law is ri.Hertz:
         rise_time = k ** (-1 / 3)
     bound = 10 * rise_time + 1e-9
 
-    solution = ri.solve(ri.System(row, contacts=[law(k), law(k)]), until=until)
-    with_rigid = ri.solve(ri.System(row), until=until)
+    stiff_law = law(k)
+    stiff_row = ri.System(bodies, contacts=[stiff_law, stiff_law])
+    rigid_row = ri.System(bodies)
 
-    for stiff, rigid in zip(solution.contacts, with_rigid.contacts, strict=True):
+    solution = ri.solve(stiff_row, until=until)
+    with_rigid = ri.solve(rigid_row, until=until)
+
+    contacts = zip(solution.contacts, with_rigid.contacts, strict=True)
+    for stiff, rigid in contacts:
         assert stiff.impulse == pytest.approx(rigid.impulse, abs=bound)
     assert abs(solution.outcome.momentum_residual) <= 1e-12
-    assert abs(solution.energy(until).residual) <= 1e-8
+    residual = solution.energy(until).residual
+    assert abs(residual) <= 1e-8
     # Where a graze ends is a matter of round-off; velocities and impulses are not.
     assert solution.accuracy["impulse"] <= 1e-6
     assert solution.accuracy["velocity"] <= 1e-6
@@ -81,19 +92,19 @@ def test_a_dashpot_between_endless_bars_lets_go_on_time(k, damping):
     They have the impedance 2, so that d' = v - F. The force F = k d + c d' ends where
     k d = -c v, at a known time.
     """
-    striker = unit_rod(1.0, area=2.0, velocity=ri.Steps([-1.0, 1.0], at=[0.5]))
+    velocity = ri.Steps([-1.0, 1.0], at=[0.5])
+    striker = unit_rod(1.0, area=2.0, velocity=velocity)
     struck = unit_rod(1.0, area=2.0)
-    system = ri.System(
-        [striker, struck],
-        contacts=[ri.SpringDashpot(k, damping=damping)],
-        ends=[ri.Absorbing(), ri.Absorbing()],
-    )
+    law = ri.SpringDashpot(k, damping=damping)
+    absorbing_ends = [ri.Absorbing(), ri.Absorbing()]
+    system = ri.System([striker, struck], contacts=[law], ends=absorbing_ends)
     share = 1 / (1 + damping)  # F = (k d + c v) share
     rate = k * share
     d_at_turn = share * -math.expm1(-rate / 2) / rate  # as v turns, at 0.5
     if k * d_at_turn > damping:
         # d = (d_at_turn + 1/k) exp(-rate t) - 1/k, until k d = c
-        end = 0.5 + math.log((k * d_at_turn + 1) / (damping + 1)) / rate
+        ratio = (k * d_at_turn + 1) / (damping + 1)
+        end = 0.5 + math.log(ratio) / rate
         d_at_end = damping / k
     else:  # the force ends at once
         end = 0.5
@@ -111,4 +122,5 @@ def test_a_dashpot_between_endless_bars_lets_go_on_time(k, damping):
     assert contact.duration == pytest.approx(end, abs=duration_bound)
     assert contact.impulse == pytest.approx(impulse, abs=1e-8)
     # Without a force the overlap that is left goes back by 1 m/s.
-    assert episode.opening == pytest.approx(end + d_at_end, abs=1e-8)
+    opening = end + d_at_end
+    assert episode.opening == pytest.approx(opening, abs=1e-8)

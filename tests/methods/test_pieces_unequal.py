@@ -25,8 +25,11 @@ KINDS = {  # contact laws on both sides of the short rod
 
 
 def row(length, kind):
-    """A long rod strikes a very short one, behind which is another long rod."""
-    rods = [unit_rod(1.0, velocity=1.0), unit_rod(length), unit_rod(0.3)]
+    """System of a long rod that strikes a very short one, behind which is another long
+    rod; the contacts are of a kind of `KINDS`.
+    """
+    striker = unit_rod(1.0, velocity=1.0)
+    rods = [striker, unit_rod(length), unit_rod(0.3)]
     return ri.System(rods, contacts=KINDS[kind])
 
 
@@ -47,7 +50,8 @@ def test_proofs_are_tried_8_times_a_second_and_not_once_each_short_transit(
 
     monkeypatch.setattr(finality, "update_groups", counted)
     with kernels.forced(compiling=False):
-        solution = ri.solve(row(0.01, kind), method="characteristics")
+        system = row(0.01, kind)
+        solution = ri.solve(system, method="characteristics")
 
     assert solution.final
     most_of_a_run = 8 * solution.t_end + 6  # and six at other times
@@ -64,20 +68,24 @@ def test_velocities_of_a_row_with_a_ratio_of_1e4_are_right_to_the_stated_error()
     with kernels.forced(compiling=True):
         solution = ri.solve(system, method="characteristics")
 
-    stated = solution.accuracy["velocity"] * solution.fields.clock.scale
+    relative_error = solution.accuracy["velocity"]
+    stated = relative_error * solution.fields.clock.scale
     velocities = np.array(solution.outcome.velocities_after)
-    errors = np.abs(velocities - exact.outcome.velocities_after)
+    expected = exact.outcome.velocities_after
+    errors = np.abs(velocities - expected)
     assert errors.max() <= stated + 1e-13
 
 
 def test_a_run_with_too_many_pieces_names_the_short_rod_if_there_is_one(monkeypatch):
     """Where no rod is short, a larger rtol is the remedy."""
     monkeypatch.setattr(memory, "MAX_BYTES", 3e5)
+    with_short_rod = row(1e-5, "bonded hertz")
+    without_short_rod = row(0.1, "hertz")
 
     with pytest.raises(memory.TooLong) as refusal:
-        ri.solve(row(1e-5, "bonded hertz"), method="characteristics")
+        ri.solve(with_short_rod, method="characteristics")
     with pytest.raises(memory.TooLong, match="take a larger rtol"):
-        ri.solve(row(0.1, "hertz"), method="characteristics", until=1e3)
+        ri.solve(without_short_rod, method="characteristics", until=1e3)
 
     problems = dict(refusal.value.problems)
     assert list(problems) == ["until"]
@@ -114,8 +122,11 @@ def test_the_page_says_that_a_row_takes_too_long_before_it_begins(
 
     monkeypatch.setattr(march, "run_nodes", begin)
 
-    problem = run_of_page(row(1e-6, kind), options)["problem"]
+    hopeless = row(1e-6, kind)
+    run = run_of_page(hopeless, options)
 
-    assert problem == ("", page.TOO_MUCH_WORK)
+    path = ""  # the message is about no entry of the case
+    assert run["problem"] == (path, page.TOO_MUCH_WORK)
+    feasible = row(0.01, kind)
     with pytest.raises(AssertionError, match="the page has begun"):
-        run_of_page(row(0.01, kind), options)
+        run_of_page(feasible, options)

@@ -21,6 +21,8 @@ BAR = ri.Rod(1.5, diameter=DIAMETER, material=STEEL)
 SPECIMEN = ri.Specimen(4e-3, diameter=0.012)
 PULSE_STRAIN = 1.2e-3
 DT = 5e-7  # interval of a record, s
+INPUT_BAR = 0  # index of the body in the row of a `Shot`
+OUTPUT_BAR = 2
 keep_last = lru_cache(maxsize=1)
 """Keeps one shot of each kind: with a state for each sample it takes up to a gigabyte.
 """
@@ -32,11 +34,13 @@ def noisy_gauge(record, distance, noise, seed, dt):
     It begins with a rest of 100 us. The standard deviation of its noise is `noise`
     times `PULSE_STRAIN`; `dt` is its interval, s.
     """
-    clean = record.signal(dt).extended(before=1e-4)
+    record_at_steps = record.signal(dt)
+    clean = record_at_steps.extended(before=1e-4)
     rng = default_rng(seed)
     white = rng.standard_normal(len(clean))
     noisy = clean.values + noise * PULSE_STRAIN * white
-    return ri.BarGauge(clean.replace(values=noisy), distance)
+    noisy_signal = clean.replace(values=noisy)
+    return ri.BarGauge(noisy_signal, distance)
 
 
 class Shot(NamedTuple):
@@ -46,10 +50,13 @@ class Shot(NamedTuple):
     specimen: ri.Specimen = SPECIMEN
 
     def gauge(self, body, distance, noise=0.002, seed=0, dt=DT):
-        """A `noisy_gauge` of body 0 or 2 at a distance from the specimen, m."""
+        """A `noisy_gauge` of `INPUT_BAR` or `OUTPUT_BAR` at a distance from the
+        specimen, m.
+        """
         x = distance
-        if body == 0:
-            x = float(self.solution.system.bodies[0].length) - distance
+        if body == INPUT_BAR:
+            input_rod = self.solution.system.bodies[0]
+            x = float(input_rod.length) - distance
         record = self.solution.gauge(body, x)
         return noisy_gauge(record, distance, noise, seed, dt)
 
@@ -57,7 +64,8 @@ class Shot(NamedTuple):
         """Nominal compressive strain of the specimen; 0 before the run, at t < 0."""
         times = np.maximum(times, 0.0)
         input_rod = self.solution.system.bodies[0]
-        input_face = self.solution.displacement(0, float(input_rod.length), times)
+        end = float(input_rod.length)
+        input_face = self.solution.displacement(0, end, times)
         output_face = self.solution.displacement(2, 0.0, times)
         approach = input_face - output_face
         return approach / self.specimen.length
@@ -71,7 +79,9 @@ class Shot(NamedTuple):
 
 
 def rod(length, diameter=DIAMETER, material=STEEL, **changes):
-    """A rod by the theory of Mindlin and Herrmann."""
+    """A round rod by the theory of Mindlin and Herrmann; `changes` are other arguments
+    of `ri.Rod`.
+    """
     return ri.Rod(
         length,
         diameter=diameter,
@@ -110,7 +120,8 @@ class CalibrationShot(NamedTuple):
         """A `noisy_gauge` of bar 1 or 2 at a distance from the joint, m."""
         x = distance
         if body == 1:
-            x = float(self.solution.system.bodies[1].length) - distance
+            first_bar = self.solution.system.bodies[1]
+            x = float(first_bar.length) - distance
         record = self.solution.gauge(body, x)
         return noisy_gauge(record, distance, noise, seed, DT)
 
@@ -118,11 +129,14 @@ class CalibrationShot(NamedTuple):
 @keep_last
 def calibration_shot():
     """A striker hits a bar that touches another one; the ends of the striker are
-    round.
+    round. It is solved once: a `CalibrationShot`.
     """
-    bodies = [rod(0.3, velocity=12.0), rod(1.5), rod(1.5)]
-    row = ri.System(bodies, contacts=[ri.Hertz(6e10), ri.Rigid()])
-    return CalibrationShot(solved(row, until=1.4e-3, cells=450))
+    striker = rod(0.3, velocity=12.0)
+    bodies = [striker, rod(1.5), rod(1.5)]
+    laws = [ri.Hertz(6e10), ri.Rigid()]
+    row = ri.System(bodies, contacts=laws)
+    solution = solved(row, until=1.4e-3, cells=450)
+    return CalibrationShot(solution)
 
 
 def trapezoid(duration, rise):
@@ -130,8 +144,9 @@ def trapezoid(duration, rise):
     `duration`, s.
     """
     times = np.arange(0, duration + 2 * rise, 1e-6)
+    time_to_end = duration + rise - times
     up = np.clip(times / rise, 0, 1)
-    down = np.clip((duration + rise - times) / rise, 0, 1)
+    down = np.clip(time_to_end / rise, 0, 1)
     return np.minimum(up, down)
 
 
@@ -139,13 +154,14 @@ def trapezoid(duration, rise):
 def pressure_bar_shot(
     duration=150e-6, rise=30e-6, length=1.5, until=7e-4, material=POLYMER, cells=450
 ):
-    """A trapezoidal pulse runs through the input bar to the specimen.
+    """A trapezoidal pulse runs through the input bar to the specimen: a solved `Shot`.
 
     The pulse has a duration and a rise, s; both bars have a length, m.
     """
     level = trapezoid(duration, rise)
     bodies = [rod(length), specimen_rod(material), rod(length)]
-    return Shot(solved(row_under_pulse(bodies, level), until, cells))
+    row = row_under_pulse(bodies, level)
+    return Shot(solved(row, until, cells))
 
 
 def row_under_pulse(bodies, level):
@@ -155,11 +171,9 @@ def row_under_pulse(bodies, level):
     """
     strain = -PULSE_STRAIN * level
     wave = ri.Samples([*strain, 0.0], step=1e-6)  # nothing follows the pulse
-    return ri.System(
-        bodies,
-        contacts=[ri.Rigid(), ri.Rigid()],
-        ends=[ri.Incoming(wave), ri.Free()],
-    )
+    laws = [ri.Rigid(), ri.Rigid()]
+    ends = [ri.Incoming(wave), ri.Free()]
+    return ri.System(bodies, contacts=laws, ends=ends)
 
 
 STRIKER = ri.Rod(0.4, diameter=DIAMETER, material=STEEL, velocity=12.0)
@@ -167,9 +181,13 @@ STRIKER = ri.Rod(0.4, diameter=DIAMETER, material=STEEL, velocity=12.0)
 
 @keep_last
 def direct_impact(until=7e-4, cells=450):
-    """A striker hits a soft specimen with mass, which lies on the output bar."""
-    bodies = [rod(0.4, velocity=12.0), specimen_rod(SOFT), rod(1.5)]
-    row = ri.System(bodies, contacts=[ri.Rigid(), ri.Rigid()])
+    """A striker hits a soft specimen with mass, which lies on the output bar: a solved
+    `Shot`.
+    """
+    striker = rod(0.4, velocity=12.0)
+    bodies = [striker, specimen_rod(SOFT), rod(1.5)]
+    laws = [ri.Rigid(), ri.Rigid()]
+    row = ri.System(bodies, contacts=laws)
     return Shot(solved(row, until, cells))
 
 
@@ -197,13 +215,16 @@ class LawShot(NamedTuple):
     def stress(self, times):
         """Nominal stress of the specimen, Pa."""
         times = np.maximum(times, 0.0)
-        force = self.solution.contacts[0].force(times)
+        (contact,) = self.solution.contacts
+        force = contact.force(times)
         return force / self.specimen.section
 
 
 @keep_last
 def direct_impact_on_law(is_rigid=False, until=7e-4, cells=450):
-    """A rod or a rigid mass hits a specimen that yields and hardens."""
+    """A rod or a rigid mass hits a specimen that yields and hardens: a solved
+    `LawShot`.
+    """
     striker = rod(0.4, velocity=12.0)
     if is_rigid:
         striker = ri.RigidMass(STRIKER.mass, velocity=12.0)
@@ -226,7 +247,9 @@ SLOW_STRAIN = 3.0 / (2 * STEEL.wave_speed)
 
 @keep_last
 def smooth_shot(duration, until, rise=80e-6):
-    """A pulse with smooth corners runs through a thin input bar to the specimen."""
+    """A pulse with smooth corners runs through a thin input bar to the specimen: a
+    solved `Shot`.
+    """
     level = trapezoid(duration, rise)
     smooth_level = level**2 * (3 - 2 * level)
     bar = rod(1.5, THIN_DIAMETER)
@@ -252,5 +275,6 @@ def slow_direct_impact_with_mass(until=7e-4):
     specimen = rod(SLOW_SPECIMEN.length, SLOW_SPECIMEN.diameter, POLYMER)
     bar = rod(1.5, THIN_DIAMETER)
     bodies = [striker, specimen, bar]
-    row = ri.System(bodies, contacts=[ri.Rigid(), ri.Rigid()])
+    laws = [ri.Rigid(), ri.Rigid()]
+    row = ri.System(bodies, contacts=laws)
     return Shot(solved(row, until, cells=450), SLOW_SPECIMEN)

@@ -7,7 +7,7 @@ import pytest
 from exhaustive import few_of
 from numpy.random import default_rng
 from records import shots
-from records.shots import BAR, SPECIMEN
+from records.shots import BAR, INPUT_BAR, OUTPUT_BAR, SPECIMEN
 
 import rodimpact as ri
 
@@ -17,13 +17,14 @@ TRAVEL = DISTANCE / shots.STEEL.wave_speed  # s
 
 @pytest.fixture(scope="module")
 def shot():
-    """On a fine grid: its errors are far below the bands."""
+    """A shot on a fine grid, whose errors are far below the bands."""
     return shots.pressure_bar_shot(cells=900)
 
 
 def cut(gauge, start, end):
     """A gauge with a part of its record, from `start` to `end`, s."""
-    return gauge.replace(signal=gauge.signal.window(start, end))
+    part = gauge.signal.window(start, end)
+    return gauge.replace(signal=part)
 
 
 def cut_pulses(shot, rest=30e-6, seed=0):
@@ -32,8 +33,8 @@ def cut_pulses(shot, rest=30e-6, seed=0):
     Both bars are twice as long as `DISTANCE`: the pulse passes the first gauge after
     one `TRAVEL`, and comes back to it, and to the second gauge, after three.
     """
-    on_input = shot.gauge(0, DISTANCE, seed=2 * seed)
-    on_output = shot.gauge(2, DISTANCE, seed=2 * seed + 1)
+    on_input = shot.gauge(INPUT_BAR, DISTANCE, seed=2 * seed)
+    on_output = shot.gauge(OUTPUT_BAR, DISTANCE, seed=2 * seed + 1)
     comes_back = 3 * TRAVEL
     incident = cut(on_input, TRAVEL - rest, TRAVEL + 215e-6)
     reflected = cut(on_input, comes_back - rest, comes_back + 230e-6)
@@ -43,13 +44,15 @@ def cut_pulses(shot, rest=30e-6, seed=0):
 
 def is_plastic(strain):
     """Whether each sample of a strain lies above 1 %, while loading."""
-    is_loading = np.arange(len(strain)) <= strain.argmax()
+    sample = np.arange(len(strain))
+    is_loading = sample <= strain.argmax()
     return is_loading & (strain > 0.01)
 
 
 def rms(errors):
     """Root of the mean square."""
-    return np.sqrt(np.mean(errors**2))
+    mean_square = np.mean(errors**2)
+    return np.sqrt(mean_square)
 
 
 def errors_over_time(shot, result):
@@ -60,8 +63,9 @@ def errors_over_time(shot, result):
     stress = shot.stress(result.times)
     plastic = is_plastic(strain)
     stress_errors = result.stress[plastic] / stress[plastic] - 1
-    strain_errors = np.abs(result.strain - strain)[plastic] / strain.max()
-    return rms(stress_errors), strain_errors.max()
+    strain_errors = np.abs(result.strain - strain)
+    largest_strain_error = strain_errors[plastic].max() / strain.max()
+    return rms(stress_errors), largest_strain_error
 
 
 def stress_error_at_strain(shot, result):
@@ -69,17 +73,26 @@ def stress_error_at_strain(shot, result):
     times = np.arange(2.9e-4, 7e-4, 1e-6)
     strain = shot.strain(times)
     stress = shot.stress(times)
-    loading = slice(0, int(strain.argmax()) + 1)
-    strains = np.linspace(0.011, 0.97 * strain.max(), 200)
-    true_stress = np.interp(strains, strain[loading], stress[loading])
-    errors = result.at_strain(strains, result.stress) / true_stress - 1
+    n_loading = int(strain.argmax()) + 1  # samples up to the largest strain
+    strain = strain[:n_loading]
+    stress = stress[:n_loading]
+    last_strain = 0.97 * strain.max()
+    strains = np.linspace(0.011, last_strain, 200)
+    true_stress = np.interp(strains, strain, stress)
+    stress_found = result.at_strain(strains, result.stress)
+    errors = stress_found / true_stress - 1
     return rms(errors)
+
+
+def reduced(pulses, **options):
+    """Reduction of cut pulses on `BAR` and `SPECIMEN`."""
+    return ri.reduce(pulses=pulses, bars=BAR, specimen=SPECIMEN, **options)
 
 
 @pytest.mark.parametrize("rest", few_of([30e-6, 1e-6], [1e-6]))
 def test_cut_pulses_with_the_times_of_the_records_give_stress_and_strain(shot, rest):
     pulses = ri.CutPulses(*cut_pulses(shot, rest))
-    result = ri.reduce(pulses=pulses, bars=BAR, specimen=SPECIMEN)
+    result = reduced(pulses)
     stress_error, strain_error = errors_over_time(shot, result)
     assert stress_error < 0.01
     assert strain_error < 0.01
@@ -93,9 +106,11 @@ def test_the_band_of_cut_pulses_covers_90_percent_of_the_stress(shot, count):
     covered = []
     for seed in range(count):
         pulses = ri.CutPulses(*cut_pulses(shot, seed=seed))
-        result = ri.reduce(pulses=pulses, bars=BAR, specimen=SPECIMEN)
-        plastic = is_plastic(shot.strain(result.times))
-        error = np.abs(result.stress - shot.stress(result.times))
+        result = reduced(pulses)
+        strain = shot.strain(result.times)
+        stress = shot.stress(result.times)
+        plastic = is_plastic(strain)
+        error = np.abs(result.stress - stress)
         is_within = error <= result.stress_band
         covered.append(np.mean(is_within[plastic]))
     assert np.mean(covered) > 0.9
@@ -107,7 +122,8 @@ def pulses_from_0(shot):
     """
     offsets = (0.0, 3e-6, -7e-6)  # s, by which they begin before 0
     gauges = []
-    for gauge, offset in zip(cut_pulses(shot), offsets, strict=True):
+    gauges_cut = cut_pulses(shot)
+    for gauge, offset in zip(gauges_cut, offsets, strict=True):
         start = gauge.signal.start + offset
         from_0 = gauge.signal.shifted(-start)
         gauges.append(gauge.replace(signal=from_0))
@@ -129,7 +145,7 @@ def test_cut_pulses_with_times_of_their_own_give_the_stress_if_that_is_said(shot
 def test_cut_pulses_that_begin_together_are_refused_if_it_is_not_said(shot):
     pulses = ri.CutPulses(*pulses_from_0(shot))
     with pytest.raises(ri.InvalidModel, match='clock="own"'):
-        ri.reduce(pulses=pulses, bars=BAR, specimen=SPECIMEN)
+        reduced(pulses)
 
 
 def test_gauges_with_a_gain_and_opposite_sides_are_cut_too(shot):
@@ -137,14 +153,17 @@ def test_gauges_with_a_gain_and_opposite_sides_are_cut_too(shot):
     gain = 5.0
     volts = transmitted.signal / gain
     # The same strain, with bending of a tenth
-    in_volts = transmitted.replace(signal=1.1 * volts, opposite=0.9 * volts, gain=gain)
+    more = 1.1 * volts
+    less = 0.9 * volts
+    in_volts = transmitted.replace(signal=more, opposite=less, gain=gain)
     pulses = ri.CutPulses(incident, reflected, transmitted)
     pulses_in_volts = ri.CutPulses(incident, reflected, in_volts)
 
-    result = ri.reduce(pulses=pulses, bars=BAR, specimen=SPECIMEN)
-    by_volts = ri.reduce(pulses=pulses_in_volts, bars=BAR, specimen=SPECIMEN)
+    result = reduced(pulses)
+    by_volts = reduced(pulses_in_volts)
 
-    assert by_volts.stress == pytest.approx(result.stress, rel=1e-9, abs=1.0)
+    expected = result.stress
+    assert by_volts.stress == pytest.approx(expected, rel=1e-9, abs=1.0)
 
 
 def test_mistakes_of_cut_pulses_are_named(shot):
@@ -153,15 +172,16 @@ def test_mistakes_of_cut_pulses_are_named(shot):
     with pytest.raises(ri.InvalidModel, match="either pulses or gauges"):
         ri.reduce(incident, None, BAR, SPECIMEN, pulses=pulses)
     with pytest.raises(ri.InvalidModel, match="must be a CutPulses"):
-        ri.reduce(pulses=incident, bars=BAR, specimen=SPECIMEN)
+        reduced(incident)
+    elsewhere = reflected.replace(distance=0.5)
     with pytest.raises(ri.InvalidModel, match="that of the incident pulse"):
-        ri.CutPulses(incident, reflected.replace(distance=0.5), transmitted)
+        ri.CutPulses(incident, elsewhere, transmitted)
     with pytest.raises(ri.InvalidModel, match="one of 'common', 'own'"):
         ri.CutPulses(incident, reflected, transmitted, clock="none")
     without_end = cut(incident, 0, TRAVEL + 100e-6)
     cut_short = ri.CutPulses(without_end, reflected, transmitted)
     with pytest.raises(ri.InvalidModel, match="of its largest strain"):
-        ri.reduce(pulses=cut_short, bars=BAR, specimen=SPECIMEN)
+        reduced(cut_short)
 
 
 def test_a_record_that_begins_after_its_wave_left_the_specimen_gives_the_same_stress(
@@ -170,15 +190,17 @@ def test_a_record_that_begins_after_its_wave_left_the_specimen_gives_the_same_st
     """A recorder of its own for the output bar begins 30 us before the pulse is
     there.
     """
-    on_input = shot.gauge(0, DISTANCE)
-    on_output = shot.gauge(2, DISTANCE, seed=1)
-    late = cut(on_output, 3 * TRAVEL - 30e-6, 7e-4)
+    on_input = shot.gauge(INPUT_BAR, DISTANCE)
+    on_output = shot.gauge(OUTPUT_BAR, DISTANCE, seed=1)
+    arrival = 3 * TRAVEL
+    late = cut(on_output, arrival - 30e-6, 7e-4)
 
     by_whole = ri.reduce(on_input, on_output, BAR, SPECIMEN)
     by_late = ri.reduce(on_input, late, BAR, SPECIMEN)
 
     difference = np.abs(by_late.stress - by_whole.stress)
-    assert difference.max() < 0.01 * by_whole.stress.max()
+    peak_stress = by_whole.stress.max()
+    assert difference.max() < 0.01 * peak_stress
 
 
 def ramp_record(rest, rise, end):
@@ -189,7 +211,8 @@ def ramp_record(rest, rise, end):
     fall_end = rest + 2.2 * rise
     up = (times - rest) / rise
     down = (fall_end - times) / rise
-    level = np.clip(np.minimum(up, down), 0, 1)
+    slopes = np.minimum(up, down)
+    level = np.clip(slopes, 0, 1)
     rng = default_rng(0)
     noise = 1e-6 * rng.standard_normal(len(times))
     return ri.Signal(-1e-3 * level + noise, times)
@@ -206,19 +229,24 @@ def test_as_much_rest_as_the_rise_is_enough():
     distance = 3.9  # m, from a gauge to the specimen
     travel = 2 * distance / metal.wave_speed  # s, from one gauge to the other
     on_input = ri.BarGauge(record, distance)
-    on_output = ri.BarGauge(record.shifted(travel), distance)
+    late_record = record.shifted(travel)
+    on_output = ri.BarGauge(late_record, distance)
+    specimen = ri.Specimen(5e-3, area=1e-4)
 
-    result = ri.reduce(on_input, on_output, bar, ri.Specimen(5e-3, area=1e-4))
+    result = ri.reduce(on_input, on_output, bar, specimen)
 
     # The specimen transmits all of 1e-3 of strain, with the modulus of the bar.
-    assert result.stress.max() == pytest.approx(200e6, rel=0.02)
+    peak_stress = result.stress.max()
+    assert peak_stress == pytest.approx(200e6, rel=0.02)
 
 
 def gauges_with_rest(count):
     """Gauges whose records have so many samples at rest, of 1 us, before a ramp."""
-    record = ramp_record(rest=count * 1e-6, rise=40e-6, end=6e-4)
+    rest = count * 1e-6  # s
+    record = ramp_record(rest=rest, rise=40e-6, end=6e-4)
     on_input = ri.BarGauge(record, DISTANCE)
-    on_output = ri.BarGauge(record.shifted(3e-4), DISTANCE)
+    late_record = record.shifted(3e-4)
+    on_output = ri.BarGauge(late_record, DISTANCE)
     return on_input, on_output
 
 
@@ -228,7 +256,9 @@ def test_16_samples_at_rest_are_needed_and_told():
         ri.reduce(*gauges_with_rest(14), BAR, SPECIMEN)
 
     (message,) = dict(caught.value.problems).values()
-    samples_named = int(message.split("has ")[1].split(" ")[0])
+    _, after = message.split("has ")
+    number, *_ = after.split(" ")
+    samples_named = int(number)
     assert 14 - 8 <= samples_named < 14
     assert "16 are needed, 16 us" in message
 
@@ -237,6 +267,8 @@ def test_24_samples_at_rest_are_enough():
     result = ri.reduce(*gauges_with_rest(24), BAR, SPECIMEN)
 
     # The specimen transmits all of the strain of 1e-3.
-    force = 1e-3 * shots.STEEL.youngs_modulus * BAR.segments[0].area
+    bar_area = BAR.segments[0].area
+    force = 1e-3 * shots.STEEL.youngs_modulus * bar_area
     stress = force / SPECIMEN.section
-    assert result.stress.max() == pytest.approx(stress, rel=0.02)
+    peak_stress = result.stress.max()
+    assert peak_stress == pytest.approx(stress, rel=0.02)

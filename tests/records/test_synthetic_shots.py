@@ -12,6 +12,8 @@ import numpy as np
 import pytest
 from exhaustive import few_of
 from records.shots import (
+    INPUT_BAR,
+    OUTPUT_BAR,
     POLYMER,
     PULSE_STRAIN,
     SLOW_SPECIMEN,
@@ -45,13 +47,15 @@ class Reduced(NamedTuple):
     def loading(self):
         """Whether each sample lies above `MIN_STRAIN`, up to the largest strain."""
         strain = self.shot.strain(self.reduction.times)
-        is_up_to_peak = np.arange(len(strain)) <= strain.argmax()
+        sample = np.arange(len(strain))
+        is_up_to_peak = sample <= strain.argmax()
         return is_up_to_peak & (strain >= MIN_STRAIN)
 
     def strains_of_loading(self):
         """100 strains, at which errors of the stress are looked at."""
         strain = self.shot.strain(self.reduction.times)
-        return np.linspace(MIN_STRAIN, 0.97 * strain.max(), 100)
+        last_strain = 0.97 * strain.max()
+        return np.linspace(MIN_STRAIN, last_strain, 100)
 
     def errors_at_strains(self):
         """Relative errors of the stress at `strains_of_loading`."""
@@ -61,12 +65,15 @@ class Reduced(NamedTuple):
         stress = output_stress(self.shot, result.times)
         peak = int(strain.argmax())
         true_stress = np.interp(strains, strain[:peak], stress[:peak])
-        return result.at_strain(strains, result.stress) / true_stress - 1
+        stress_found = result.at_strain(strains, result.stress)
+        return stress_found / true_stress - 1
 
     def strain_errors(self):
         """Relative errors of the strain at each time of loading."""
-        strain = self.shot.strain(self.reduction.times)[self.loading]
-        return self.reduction.strain[self.loading] / strain - 1
+        loading = self.loading
+        times = self.reduction.times[loading]
+        strain = self.shot.strain(times)
+        return self.reduction.strain[loading] / strain - 1
 
     def is_covered(self):
         """Whether the bands of stress and strain contain the truth, [band, sample]."""
@@ -87,7 +94,8 @@ def output_stress(shot, times):
     one.
     """
     output_contact = shot.solution.contacts[-1]
-    force = output_contact.force(np.maximum(times, 0.0))
+    times_of_run = np.maximum(times, 0.0)
+    force = output_contact.force(times_of_run)
     return force / shot.specimen.section
 
 
@@ -95,7 +103,8 @@ def reduced(arrangement, noise=NOISE, seed=0):
     """A shot of an arrangement, recorded with noise and reduced."""
     if arrangement == "direct impact":
         shot = slow_direct_impact()
-        gauge = shot.gauge(0.5, noise * SLOW_STRAIN / PULSE_STRAIN, seed, DT)
+        noise_over_pulse = noise * SLOW_STRAIN / PULSE_STRAIN
+        gauge = shot.gauge(0.5, noise_over_pulse, seed, DT)
         return Reduced(shot, reduce_impact(gauge))
     if arrangement == "three pulses":
         shot = smooth_shot(duration=100e-6, until=7e-4)
@@ -105,17 +114,18 @@ def reduced(arrangement, noise=NOISE, seed=0):
         distance = 0.5
     settings = {"noise": noise, "dt": DT}
     # Each of up to four gauges has noise of its own.
-    on_input = shot.gauge(0, distance, seed=4 * seed, **settings)
-    on_output = shot.gauge(2, distance, seed=4 * seed + 1, **settings)
+    on_input = shot.gauge(INPUT_BAR, distance, seed=4 * seed, **settings)
+    on_output = shot.gauge(OUTPUT_BAR, distance, seed=4 * seed + 1, **settings)
     if arrangement == "one gauge":
         reduction = ri.reduce(
             on_input, on_output, THIN_BAR, THIN_SPECIMEN, equal_forces=True
         )
         return Reduced(shot, reduction)
     if arrangement == "three pulses":
-        return Reduced(shot, reduce_cut_pulses(on_input, on_output))
-    further_on_input = shot.gauge(0, 0.9, seed=4 * seed + 2, **settings)
-    further_on_output = shot.gauge(2, 0.9, seed=4 * seed + 3, **settings)
+        reduction = reduce_cut_pulses(on_input, on_output)
+        return Reduced(shot, reduction)
+    further_on_input = shot.gauge(INPUT_BAR, 0.9, seed=4 * seed + 2, **settings)
+    further_on_output = shot.gauge(OUTPUT_BAR, 0.9, seed=4 * seed + 3, **settings)
     input_gauges = [on_input, further_on_input]
     output_gauges = [on_output, further_on_output]
     reduction = ri.reduce(input_gauges, output_gauges, THIN_BAR, THIN_SPECIMEN)
@@ -138,7 +148,8 @@ def reduce_cut_pulses(on_input, on_output):
     """
 
     def cut(gauge, start, end):
-        return gauge.replace(signal=gauge.signal.window(start, end))
+        part = gauge.signal.window(start, end)
+        return gauge.replace(signal=part)
 
     pulses = ri.CutPulses(
         incident=cut(on_input, 1e-4, 4.4e-4),
@@ -181,12 +192,15 @@ def test_with_noise_bands_cover_95_percent_and_errors_are_below_1_percent(arrang
         stress_errors.append(result.errors_at_strains())
         strain_errors = result.strain_errors()
         strain_error_means.append(strain_errors.mean())
-        strain_error_rms.append(np.sqrt(np.mean(strain_errors**2)))
+        mean_square = np.mean(strain_errors**2)
+        strain_error_rms.append(np.sqrt(mean_square))
         # `is_covered` is [band, sample]: the covered part of the samples of each band.
-        covered.append(result.is_covered().mean(axis=1))
+        covered_parts = result.is_covered().mean(axis=1)
+        covered.append(covered_parts)
     # `stress_errors` is [record, strain].
     stress_error_means = np.mean(stress_errors, axis=0)
-    stress_error_rms = np.sqrt(np.mean(np.square(stress_errors), axis=1))
+    mean_squares = np.mean(np.square(stress_errors), axis=1)
+    stress_error_rms = np.sqrt(mean_squares)
     figures = {
         "largest mean stress error at a strain": np.abs(stress_error_means).max(),
         "rms stress error of 95 % of records": np.quantile(stress_error_rms, 0.95),
@@ -211,7 +225,7 @@ def test_errors_of_a_sharp_impact_on_a_specimen_with_mass_are_steps_of_its_strai
     """
     shot = slow_direct_impact_with_mass()
     noise = NOISE * SLOW_STRAIN / PULSE_STRAIN
-    gauge = shot.gauge(2, 0.5, noise, seed=0, dt=DT)
+    gauge = shot.gauge(OUTPUT_BAR, 0.5, noise, seed=0, dt=DT)
 
     result = Reduced(shot, reduce_impact(gauge))
 
@@ -220,6 +234,8 @@ def test_errors_of_a_sharp_impact_on_a_specimen_with_mass_are_steps_of_its_strai
     errors = np.abs(result.errors_at_strains())
     _, is_strain_covered = result.is_covered()
     assert errors.max() > 3 * MAX_ERROR
-    assert np.all(errors < difference_of_forces + 3 * NOISE)
+    largest_error = difference_of_forces + 3 * NOISE
+    assert np.all(errors < largest_error)
     assert is_strain_covered.all()
-    assert "equilibrium is assumed, not measured" in str(result.reduction.verdict)
+    verdict = str(result.reduction.verdict)
+    assert "equilibrium is assumed, not measured" in verdict

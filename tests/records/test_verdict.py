@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from exhaustive import few_of
 from records import shots
-from records.shots import BAR, SPECIMEN, STEEL
+from records.shots import BAR, INPUT_BAR, OUTPUT_BAR, SPECIMEN, STEEL
 
 import rodimpact as ri
 
@@ -20,8 +20,8 @@ def shot():
 
 def reduced(shot, bar=BAR, specimen=SPECIMEN, seed=0, **options):
     """Reduction of the records of two gauges with noise."""
-    on_input = shot.gauge(0, 0.75, seed=seed)
-    on_output = shot.gauge(2, 0.75, seed=seed + 1)
+    on_input = shot.gauge(INPUT_BAR, 0.75, seed=seed)
+    on_output = shot.gauge(OUTPUT_BAR, 0.75, seed=seed + 1)
     return ri.reduce(on_input, on_output, bar, specimen, **options)
 
 
