@@ -43,14 +43,16 @@ def test_borders_are_saint_venants(uniform_atlas):
     # x = l2/l1 and y = A2/A1, since l1 = A1 = 1.
     x, y = uniform_atlas.borders.T
 
+    # Distances of each point from the nearest border of Saint-Venant's
     to_nearest_multiple = np.abs(x - np.round(x))
     to_equal_length = np.abs(x - 1)
     to_length = np.where(y < 1, to_nearest_multiple, to_equal_length)
     to_equal_area = np.abs(y - 1)
     distances = np.minimum(to_length, to_equal_area)
-    lengths_below = np.round(x[y < 0.9], 9)
     assert distances.max() <= 1e-9
-    assert {1, 2, 3} <= set(lengths_below)
+    is_below_equal_areas = y < 0.9
+    multiples = set(np.round(x[is_below_equal_areas], 9))
+    assert {1, 2, 3} <= multiples
 
 
 def test_there_are_as_many_regions_as_saint_venants_with_one_contact_in_each(
@@ -93,9 +95,10 @@ def test_points_lie_in_the_cell_whose_formula_is_right(name, count, request):
     cells = plane.locate(x, y)
     by_formula = plane.restitution(x, y)
 
-    by_solver = ri.sweep(family).restitution
     assert (cells >= 0).all()
-    assert by_formula[:count] == pytest.approx(by_solver, rel=0, abs=1e-12)
+    by_solver = ri.sweep(family).restitution
+    first_by_formula = by_formula[:count]
+    assert first_by_formula == pytest.approx(by_solver, rel=0, abs=1e-12)
 
 
 def test_borders_are_found_where_floats_do_not_decide_the_sign():
@@ -111,7 +114,8 @@ def test_borders_are_found_where_floats_do_not_decide_the_sign():
     # At equal areas e = l1/l2, and the second rod holds many waves. That border begins
     # at the lowest length, 0.3 m, and goes on without a hole.
     assert x_of_equal_areas[0] < 0.301
-    assert np.diff(x_of_equal_areas).max() < 0.08
+    distances = np.diff(x_of_equal_areas)
+    assert distances.max() < 0.08
 
 
 # Caps
@@ -126,12 +130,14 @@ def test_cells_beyond_the_cap_are_unresolved(uniform_atlas):
         uniform_atlas.system, uniform_atlas.x, uniform_atlas.y, most_cells=2
     )
 
-    cells = plane.locate(x, y)
-    is_unknown = np.isnan(plane.restitution(x, y))
     assert len(plane.cells) == 2
     assert repr(plane) == f"<Atlas over {LENGTH}, {AREA}: 2 regions>"
-    assert set(np.unique(cells)) == {-1, 0, 1}  # -1: unresolved
-    assert np.array_equal(is_unknown, cells < 0)
+    cells = plane.locate(x, y)
+    unresolved = -1
+    assert set(np.unique(cells)) == {unresolved, 0, 1}
+    has_no_e = np.isnan(plane.restitution(x, y))
+    is_unresolved = cells == unresolved
+    assert np.array_equal(has_no_e, is_unresolved)
 
 
 def test_runs_that_do_not_end_count_as_cells(uniform_atlas, monkeypatch):
@@ -155,21 +161,22 @@ def test_runs_that_do_not_end_count_as_cells(uniform_atlas, monkeypatch):
     assert len(plane.cells) < 40
 
 
-def test_a_point_whose_cell_needs_endless_events_is_unresolved(uniform_atlas):
+def test_a_point_whose_cell_needs_too_many_events_is_unresolved(uniform_atlas):
     # Waves run 1e30 times through the first rod before they return in the second.
-    endless_lengths = (LENGTH, 0.5, 1e30)
+    lengths_up_to_1e30 = (LENGTH, 0.5, 1e30)
 
     plane = ri.atlas(
         uniform_atlas.system,
-        endless_lengths,
+        lengths_up_to_1e30,
         uniform_atlas.y,
         most_cells=3,
         max_events=10,
     )
 
-    x, y = np.meshgrid([1e29, 5e29, 9e29], [0.6, 1.1, 1.5])
     assert len(plane.cells) < 3
-    assert -1 in plane.locate(x, y)
+    x, y = np.meshgrid([1e29, 5e29, 9e29], [0.6, 1.1, 1.5])
+    unresolved = -1
+    assert unresolved in plane.locate(x, y)
 
 
 def test_a_cell_ends_where_the_gap_never_closes():
@@ -218,11 +225,12 @@ def test_mistaken_axes_are_refused(uniform_atlas, x, message):
 def test_a_figure_shows_the_borders(uniform_atlas):
     picture = ri.plot.atlas(uniform_atlas)
 
-    borders = {lines.get_label(): lines for lines in picture.borders}
-    points = np.concatenate(borders["e = 1"].get_segments())  # [point, (x, y)]
     assert picture.ax.get_xlabel() == "length of rod 2 (m)"
+    borders = {lines.get_label(): lines for lines in picture.borders}
     assert borders.keys() == {"another formula", "e = 1"}
-    assert points[:, 0] == pytest.approx(1.0, rel=0, abs=1e-9)
+    segments = borders["e = 1"].get_segments()
+    x, _ = np.concatenate(segments).T  # of [point, (x, y)]
+    assert x == pytest.approx(1.0, rel=0, abs=1e-9)
 
 
 def test_the_largest_regions_come_first_and_print_the_formula_of_e(uniform_atlas):
@@ -249,6 +257,7 @@ def test_a_figure_numbers_regions_and_shows_the_formula_of_the_largest(uniform_a
     picture = ri.plot.atlas(uniform_atlas)
 
     texts = texts_of(picture.ax.texts)
-    beginning = first.formula[:20]  # the figure may break a long formula after it
     assert {"1", "2", "3"} <= set(texts)
-    assert beginning in "\n".join(texts)
+    beginning = first.formula[:20]  # the figure may break a long formula after it
+    all_texts = "\n".join(texts)
+    assert beginning in all_texts

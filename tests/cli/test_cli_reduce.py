@@ -122,29 +122,33 @@ def test_a_doubt_is_told_once_in_the_table_or_in_json(capsys):
     assert reduce(*WRONG_DISTANCE, "--json") == 0
     document = json.loads(capsys.readouterr().out)
 
+    assert printed.err == ""
     lines = printed.out.splitlines()
     doubts = [line for line in lines if line.startswith("doubtful: ")]
-    assert printed.err == ""
-    assert "the reflected wave arrives 156 us after the incident wave" in doubts[0]
-    assert "the bar speed, which a shot with the bars together measures" in doubts[0]
-    assert [f"doubtful: {doubt}" for doubt in document["doubts"]] == doubts
+    first_doubt, *_ = doubts
+    assert "the reflected wave arrives 156 us after the incident wave" in first_doubt
+    assert "the bar speed, which a shot with the bars together measures" in first_doubt
+    doubts_in_json = [f"doubtful: {doubt}" for doubt in document["doubts"]]
+    assert doubts_in_json == doubts
 
 
 def test_a_doubt_is_status_3_with_strict_and_the_help_says_so(capsys, output_of):
     assert reduce(*WRONG_DISTANCE, "--strict") == 3
     assert "doubtful: " in capsys.readouterr().out
     assert reduce(*ALL, "--strict") == 0
-    words = output_of("reduce", "--help").split()
-    assert "exit status 3" in " ".join(words)
+    help_text = " ".join(output_of("reduce", "--help").split())  # in one line
+    assert "exit status 3" in help_text
 
 
 def test_the_first_lines_are_the_verdict_and_json_has_it(text_of):
+    """The percentage begins with 1, the stress in MPa with 64. Nothing is aligned."""
     first, second, *_ = text_of(*ALL).splitlines()
+    assert first.startswith("equilibrium is reached at 1")
+    assert second.startswith("peak stress 64")
     printed = json.loads(text_of(*ALL, "--json"))
-    assert first.startswith("equilibrium is reached at 1")  # 1. %
-    assert second.startswith("peak stress 64")  # 64. MPa
-    assert printed["verdict"]["in_equilibrium"] is True
-    assert printed["verdict"]["peak_stress"] == max(printed["stress"])
+    verdict = printed["verdict"]
+    assert verdict["in_equilibrium"] is True
+    assert verdict["peak_stress"] == max(printed["stress"])
     assert printed["alignment"] is None
 
 

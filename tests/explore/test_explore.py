@@ -38,6 +38,7 @@ def test_a_preset_survives_the_way_to_the_page_and_back(key):
 
 
 def test_presets_show_what_their_remarks_say():
+    """e and velocities afterwards of the presets are those of their texts."""
     remarks = {"identical": 1.0, "wall": 1.0, "unequal": 0.4, "equal-transits": 1.0}
     for key, e in remarks.items():
         outcome = ri.solve(PRESETS[key].system).outcome
@@ -57,6 +58,7 @@ def test_a_material_of_ones_own_is_kept_and_those_of_the_library_go_by_name():
 
 
 def test_round_rods_reach_the_page_by_their_areas():
+    """A diameter is turned into an area."""
     system = ri.System([ri.Rod(1.0, diameter=0.02, material=STEEL)])
     design = tables_of(ri.Case(system))
     assert "diameter" not in design["case"]["bodies"][0]
@@ -199,6 +201,7 @@ def test_a_long_run_is_shown_until_there_are_too_many_regions(monkeypatch):
 
 @pytest.mark.exhaustive
 def test_points_of_grids_have_displacements_and_cells_the_mean_velocity():
+    """Grids of both rods on the page are compared with the solution."""
     solution, scene = shown(COMPLIANT)
     grids = scene["tiling"]
     assert grids["body"] == [0, 1]

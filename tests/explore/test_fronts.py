@@ -44,21 +44,26 @@ def rows():
     pairs = []
     for seed in range(12):
         options = {}
-        if seed % 2:
+        if seed % 2 == 1:
             options["until"] = 3e-4
-        pairs.append((random_system(seed), options))
+        system = random_system(seed)
+        pairs.append((system, options))
     striker = ri.Rod(0.4, area=1e-4, material=STEEL, velocity=1.0)
     struck = striker.replace(velocity=0.0)
+    wave = ri.Steps([1e-4, 0.0], [5e-5])
+    options = {"until": 6e-4}
     for ends in (
         (ri.Fixed(), ri.Absorbing()),
         (ri.Pushed(STEPS), ri.Free()),
-        (ri.Incoming(ri.Steps([1e-4, 0.0], [5e-5])), ri.Fixed()),
+        (ri.Incoming(wave), ri.Fixed()),
         (ri.Moved(0.5), ri.Free()),
     ):
-        pairs.append((ri.System([striker, struck], ends=ends), {"until": 6e-4}))
+        with_ends = ri.System([striker, struck], ends=ends)
+        pairs.append((with_ends, options))
     bodies = [ri.Wall(), striker, struck, ri.Wall()]
-    bonded = ri.System(bodies, contacts=[ri.Bonded()] * 3)
-    pairs.append((bonded, {"until": 6e-4}))
+    bonds = [ri.Bonded()] * 3
+    bonded = ri.System(bodies, contacts=bonds)
+    pairs.append((bonded, options))
     return pairs
 
 
@@ -77,7 +82,8 @@ def solved_twice(request):
     system, options = rows()[request.param]
     case = tables_of(system, **options)
     page_system = system_of(case, LIBRARY)
-    collision = fronts.new_run(lay_out_family(build_row(page_system)))
+    layout = lay_out_family(build_row(page_system))
+    collision = fronts.new_run(layout)
     run = fronts.run_to_end(request_of(case), run_past_proof=True, run=collision)
     solution = ri.solve(system, **options, max_events=20_000)
     return SolvedTwice(system, page_system, run, solution)
@@ -85,9 +91,7 @@ def solved_twice(request):
 
 @pytest.fixture
 def motion(solved_twice):
-    """The motion on the page; without one that can be shown there is nothing to
-    compare.
-    """
+    """The motion that the page shows of the run; a run that lasts no time is skipped."""
     motion = fronts.motion_of_fronts(solved_twice.run)
     if motion["now"] == 0:
         pytest.skip("the run lasts no time")
@@ -95,16 +99,20 @@ def motion(solved_twice):
 
 
 def tiling_of(motion):
+    """The polygons of a motion from its start to its end."""
     rods = motion["rods"]
-    return polygons_of(rods, motion["tick"], motion["frame"], 0, motion["now"])
+    start = 0  # ticks
+    return polygons_of(rods, motion["tick"], motion["frame"], start, motion["now"])
 
 
 def intervals_of(times):
     """Middles of the intervals between times, and whether each one lasts: a jump has
     no duration.
     """
+    starts = np.asarray(times)[:-1]
     durations = np.diff(times)
-    return np.asarray(times)[:-1] + durations / 2, durations > 0
+    middles = starts + durations / 2
+    return middles, durations > 0
 
 
 def test_the_page_lays_a_system_out_as_the_package_does(solved_twice):
@@ -113,19 +121,23 @@ def test_the_page_lays_a_system_out_as_the_package_does(solved_twice):
 
 
 def test_the_outcome_on_the_page_is_that_of_the_solution(solved_twice):
+    """The page has the same sentences, except for advice to users of Python."""
     run = solved_twice.run
     solution = solved_twice.solution
     outcome = solution.outcome
+
     page = fronts.outcome_of(run, fronts.status_of(run))
+
     why = fronts.why_ended(run)
     status = page["status"].replace(why.statement, with_advice(why))
-    no_restitution = outcome.why_no_restitution().removesuffix(f" {why.advice}")
-    energy_before = outcome.kinetic_before + sum(outcome.vibration_before)
-    vibration_after = sum(outcome.vibration_after)
     assert status == solution.status
+    no_restitution = outcome.why_no_restitution().removesuffix(f" {why.advice}")
     assert page["why"] == no_restitution
-    assert page["after"] == list(outcome.velocities_after)
+    velocities_after = list(outcome.velocities_after)
+    assert page["after"] == velocities_after
+    vibration_after = sum(outcome.vibration_after)
     assert page["vibration_after"] == pytest.approx(vibration_after, rel=1e-12)
+    energy_before = outcome.kinetic_before + sum(outcome.vibration_before)
     assert page["energy_before"] == pytest.approx(energy_before, rel=1e-12)
 
 
@@ -136,45 +148,62 @@ def test_polygons_on_the_page_are_the_regions_of_the_solution(solved_twice, moti
     regions = regions_of(solution, stop=stop)
     names = "body start x t displacement velocity strain stress"
     for name in names.split():
-        np.testing.assert_array_equal(polygons[name], getattr(regions, name))
+        expected = getattr(regions, name)
+        np.testing.assert_array_equal(polygons[name], expected)
 
 
 def test_forces_and_gaps_on_the_page_are_those_of_the_contacts(solved_twice, motion):
-    stop = motion["now"]
+    """The force is constant between jumps: it is the same at both ends of an interval."""
+    stop = motion["now"]  # ticks
+    contacts = solved_twice.solution.contacts
     curves = fronts.contact_curves(solved_twice.run, stop)
-    for curve, contact in zip(curves, solved_twice.solution.contacts, strict=True):
+    for curve, contact in zip(curves, contacts, strict=True):
         times, force = map(np.array, curve["force"].values())
+        end = times[-1]
         assert times[0] == 0.0
-        assert times[-1] == stop * motion["tick"]
-        assert force[-1] == pytest.approx(contact.force(times[-1]), rel=1e-9, abs=1e-9)
+        assert end == stop * motion["tick"]
+        last_force = contact.force(end)
+        assert force[-1] == pytest.approx(last_force, rel=1e-9, abs=1e-9)
         middles, lasts = intervals_of(times)
-        middle_force = contact.force(middles)[lasts]
-        assert middle_force == pytest.approx(force[:-1][lasts], rel=1e-9, abs=1e-9)
-        assert middle_force == pytest.approx(force[1:][lasts], rel=1e-9, abs=1e-9)
+        expected = contact.force(middles)[lasts]
+        force_at_starts = force[:-1][lasts]
+        force_at_ends = force[1:][lasts]
+        assert expected == pytest.approx(force_at_starts, rel=1e-9, abs=1e-9)
+        assert expected == pytest.approx(force_at_ends, rel=1e-9, abs=1e-9)
         if curve["gap"] is not None:
             gap_times, gap = curve["gap"].values()
-            assert gap == pytest.approx(contact.gap(gap_times), abs=1e-15)
+            expected_gap = contact.gap(gap_times)
+            assert gap == pytest.approx(expected_gap, abs=1e-15)
 
 
 def test_a_gauge_on_the_page_records_the_strain_of_the_solution(solved_twice, motion):
-    system = solved_twice.system
+    """It is on the first rod, at 0.3 of its length."""
+    bodies = solved_twice.system.bodies
     body = 0
-    while not isinstance(system.bodies[body], ri.Rod):
+    while not isinstance(bodies[body], ri.Rod):
         body += 1
     gauge = {"body": body, "fraction": 0.3}
     location = locate_gauge(solved_twice.page_system, gauge)
-    segment = motion["row"].spans[body][0] - 1 + location.segment
+    first_segment, *_ = motion["row"].spans[body]  # the row counts segments from 1
+    segment = first_segment - 1 + location.segment
+
     times, strain = motions.gauge_curve(motion, segment, location.x).values()
+
     middles, lasts = intervals_of(times)
-    x = 0.3 * system.bodies[body].length
-    record = solved_twice.solution.gauge(body, x).strain_at(middles)[lasts]
-    assert record == pytest.approx(np.array(strain)[:-1][lasts], abs=1e-12)
+    x = 0.3 * bodies[body].length
+    record = solved_twice.solution.gauge(body, x).strain_at(middles)
+    strain_at_starts = np.array(strain)[:-1]
+    assert record[lasts] == pytest.approx(strain_at_starts[lasts], abs=1e-12)
 
 
 def test_energies_on_the_page_are_those_of_the_ledger(solved_twice, motion):
+    """The ledger is the energy of the solution at the times of the page."""
     solution = solved_twice.solution
+
     energies = motions.energy_curves(motion, tiling_of(motion)["t"])
-    ledger = solution.energy(np.minimum(energies["t"], solution.t_end))
+
+    times = np.minimum(energies["t"], solution.t_end)  # without round-off
+    ledger = solution.energy(times)
     tolerance = 1e-9 * ledger.total.max()
     for name, kind in (
         ("vibration, kinetic part", "vibrational_kinetic"),
@@ -182,7 +211,8 @@ def test_energies_on_the_page_are_those_of_the_ledger(solved_twice, motion):
         ("moving as a whole", "kinetic"),
         ("total", "total"),
     ):
-        assert energies[name] == pytest.approx(getattr(ledger, kind), abs=tolerance)
+        expected = getattr(ledger, kind)
+        assert energies[name] == pytest.approx(expected, abs=tolerance)
 
 
 # Tables
@@ -196,10 +226,11 @@ def case_with(path, value):
         "contacts": [{"gap": 0.0, "law": "rigid"}, {"gap": 1e-5, "law": "rigid"}],
         "materials": {"own": {"youngs_modulus": 1e11, "density": 5e3}},
     }
+    *keys_of_table, name = path
     table = case
-    for key in path[:-1]:
+    for key in keys_of_table:
         table = table[key]
-    table[path[-1]] = value
+    table[name] = value
     return case
 
 
@@ -251,7 +282,8 @@ def mistakes_of_page_and_file(path, value):
     assert mistake.path == ".".join(map(str, path))
     with pytest.raises(ri.InvalidModel) as error:
         case_from(case)
-    return mistake, dict(error.value.problems)[mistake.path]
+    message_by_path = dict(error.value.problems)
+    return mistake, message_by_path[mistake.path]
 
 
 BODY = {"kind": "rod", "length": 0.4, "area": 1e-4, "material": "steel"}
@@ -306,11 +338,23 @@ BODY = {"kind": "rod", "length": 0.4, "area": 1e-4, "material": "steel"}
 def test_the_page_solves_by_fronts_the_cases_that_fronts_can_carry_and_no_others(
     change,
 ):
-    case = {"schema": 1, "bodies": [ROD, {**ROD, "velocity": 0.0}], **change}
+    case = changed_pair(change)
     model = case_from(case)
-    options = Options(model.solve.get("until"), model.solve.get("method", "auto"), 100)
-    lacks_nothing = lacking(case) == ("", "")
-    assert lacks_nothing == (options.method_for(model.system) == "fronts")
+    until = model.solve.get("until")
+    method = model.solve.get("method", "auto")
+    options = Options(until, method, max_events=100)
+    goes_by_fronts = options.method_for(model.system) == "fronts"
+
+    path, what = lacking(case)
+
+    lacks_nothing = path == "" and what == ""
+    assert lacks_nothing == goes_by_fronts
+
+
+def changed_pair(change):
+    """A case of a rod that strikes its like, with these tables changed or added."""
+    struck = {**ROD, "velocity": 0.0}
+    return {"schema": 1, "bodies": [ROD, struck], **change}
 
 
 HERTZ = {"law": "hertz", "stiffness": 1e10}
@@ -364,7 +408,7 @@ def test_the_page_solves_compliant_contacts_and_masses_or_names_what_it_lacks(
     change, path
 ):
     """An empty path stands for a case that the page can solve."""
-    case = {"schema": 1, "bodies": [ROD, {**ROD, "velocity": 0.0}], **change}
+    case = changed_pair(change)
     path_of_lacking, _ = lacking(case)
     assert path_of_lacking == path
 
@@ -395,7 +439,7 @@ def test_the_page_solves_compliant_contacts_and_masses_or_names_what_it_lacks(
 def test_mistakes_of_rows_and_gauges_have_one_path_on_the_page_and_in_the_file(
     change, gauges, path
 ):
-    case = {"schema": 1, "bodies": [ROD, {**ROD, "velocity": 0.0}], **change}
+    case = changed_pair(change)
     (mistake,) = mistakes(case, gauges, LIBRARY)
     assert mistake.path == path
     with pytest.raises(ri.InvalidModel) as error:

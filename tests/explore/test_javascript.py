@@ -43,18 +43,22 @@ MAX_EVENTS = 20_000
 
 
 def arithmetic(a, b):
+    """Results of operators and functions of two numbers."""
     return [a // b, a % b, a * b, a - b, min(a, b), max(a, b), abs(a), -a, a <= b]
 
 
 def rounding(x):
+    """A number rounded in three ways."""
     return [int(x), round(x), math.floor(x)]
 
 
 def flipped(a, b):
+    """a with the bits of b flipped."""
     return a ^ b
 
 
 def shifts(a, k):
+    """a shifted by k bits: down, as a float, and its last three bits up."""
     return [a >> k, a * 2.0**-k, (a % 8) << k]
 
 
@@ -129,6 +133,7 @@ def texts(x, n):
 
 
 def shifted(a, k):
+    """a shifted up by k bits."""
     return a << k
 
 
@@ -164,9 +169,10 @@ def test_javascript_computes_what_python_computes(function, arguments):
         f"const answer = (lists) => lists.map((list) => {function.__name__}(...list));"
     )
     script = f"{read('python.js')}\n{text}\n{answer}"
-    results = [function(*list_of_call) for list_of_call in arguments]
-    # JSON makes lists of tuples.
-    assert run(script, arguments) == json.loads(json.dumps(results))
+    in_python = [function(*list_of_call) for list_of_call in arguments]
+    in_javascript = run(script, arguments)
+    expected = json.loads(json.dumps(in_python))  # JSON makes lists of tuples
+    assert in_javascript == expected
 
 
 @needs_node
@@ -191,6 +197,9 @@ def test_a_number_that_javascript_cannot_hold_is_an_error_as_it_runs(
     }};"""
     texts = [repr(x).replace("inf", "Infinity") for x in arguments]  # JSON has no inf
     assert run(script, texts) == "RangeError"
+
+
+# Functions whose first line has something that is not translated
 
 
 def unknown_name():
@@ -233,9 +242,10 @@ def test_syntax_that_is_not_translated_is_named_with_its_line(function, line, sy
     """`line` counts from that of `def`."""
     with pytest.raises(Untranslatable) as error:
         javascript([function])
-    first = inspect.getsourcelines(function)[1]
-    assert f"test_javascript.py:{first + line}: " in str(error.value)
-    assert syntax in str(error.value)
+    message = str(error.value)
+    _, line_of_def = inspect.getsourcelines(function)
+    assert f"test_javascript.py:{line_of_def + line}: " in message
+    assert syntax in message
 
 
 # Kernels on records
@@ -247,18 +257,20 @@ def state_of(system, until):
     """The state of a system on the clock of the page, of lists of objects."""
     request = layout.RunRequest(until, tolerance=1e-8, limit=400, keep=True)
     members = driver.Members(build_row(system), request)
-    members.batch.to_lists()
-    for _ in range(2):
-        members.batch.lengthen("log", "contact_log")
+    batch = members.batch
+    batch.to_lists()
+    for _ in range(2):  # so that short runs are not stopped by a full log
+        batch.lengthen("log", "contact_log")
     members.load()
-    return members.batch.state
+    return batch.state
 
 
 def tables_of_records(objects):
-    """Objects, or rows of numbers, as JSON has them."""
+    """Objects as dicts, as JSON has them; a list of anything else is returned as it is."""
     if not objects or not dataclasses.is_dataclass(objects[0]):
         return objects
-    names = [field.name for field in dataclasses.fields(objects[0])]
+    first = objects[0]
+    names = [field.name for field in dataclasses.fields(first)]
     tables = []
     for record in objects:
         tables.append({name: getattr(record, name) for name in names})
@@ -287,9 +299,11 @@ def test_the_kernel_of_characteristics_does_the_same_on_the_same_records(
     for seed in seeds:
         is_driven = seed % 2 > 0
         until = 0.7 if is_driven else None
-        states.append(state_of(random_network(seed, driven=is_driven), until))
+        system = random_network(seed, driven=is_driven)
+        states.append(state_of(system, until))
     pages = run(script, [tables_of_state(state) for state in states])
-    assert {page["why"] for page in pages} == {Stop.FULL, Stop.DONE, Stop.CAP}
+    reasons = {page["why"] for page in pages}
+    assert reasons == {Stop.FULL, Stop.DONE, Stop.CAP}  # each occurs
     for seed, state, page in zip(seeds, states, pages, strict=True):
         assert page["why"] == KERNEL(state)
         tables = tables_of_state(state)
@@ -344,8 +358,8 @@ SOLVES = (
 
 
 def solved_by_the_page(cases):
-    """Outcomes of cases on the page, each with two more entries: the number of `events`,
-    and `rounded`, the relative error by rounding to ticks.
+    """Outcomes of cases on the page, each with two more entries: the number of
+    `events`, and `rounded`, the relative error by rounding to ticks.
 
     Runs stop at the proof, and their outcomes have no status.
     """
@@ -355,7 +369,8 @@ def solved_by_the_page(cases):
       const plan = lay_out_family(build_row(system_of(tables, library)));
       const past_the_proof = false;
       const run = run_to_end(request_of(tables), past_the_proof, new_run(plan));
-      const outcome = outcome_of(run, "");
+      const no_status = "";
+      const outcome = outcome_of(run, no_status);
       const {{ events, velocity_scale }} = run.record;
       const rounded = outcome.errors.velocity / (events * velocity_scale || 1);
       return {{ ...outcome, events, rounded }};
@@ -384,17 +399,19 @@ def test_the_page_solves_rows_as_solve_does(seeds):
         if page["events"] >= MAX_EVENTS:
             # The page and `solve` may cut the run at different times.
             continue
-        outcome = ri.solve(case_from(case).system, max_events=MAX_EVENTS).outcome
+        system = case_from(case).system
+        outcome = ri.solve(system, max_events=MAX_EVENTS).outcome
         tolerance = 2 * page["errors"]["velocity"]
         if page["events"] < FEW_EVENTS and page["rounded"] < 2.0**-42:
             n_exact += 1
             closing = max(outcome.velocities_before) - min(outcome.velocities_before)
             tolerance = 1e-11 * max(closing, 1e-3)
-        velocities = pytest.approx(outcome.velocities_after, abs=tolerance)
         assert page["final"] == outcome.final
-        assert page["after"] == velocities
+        velocities = outcome.velocities_after
+        assert page["after"] == pytest.approx(velocities, abs=tolerance)
         has_e = outcome.why_no_restitution() == ""
-        assert (page["why"] == "") == has_e
+        page_has_e = page["why"] == ""
+        assert page_has_e == has_e
         if has_e:
             error = abs(page["restitution"] - outcome.restitution)
             assert error <= 1e-9
@@ -496,16 +513,17 @@ def answers(function, designs):
 @pytest.mark.exhaustive
 @needs_node
 def test_joints_too_many_fronts_and_lengths_that_are_no_number_are_told_on_the_page():
-    joint = ri.System([LEFT, LEFT], contacts=[ri.Joint(1e10)])
+    with_joint = ri.System([LEFT, LEFT], contacts=[ri.Joint(1e10)])
     n_pieces = 3200  # of the velocity along the rod, 0.4 m
-    jumps = np.linspace(0.0, 0.4, n_pieces + 1)[1:-1]
-    velocities = np.arange(float(n_pieces)) % 2
-    crowded = LEFT.replace(velocity=ri.Steps(velocities, jumps))
-    rod_of_no_length = tables_of(ri.Case(joint))["case"]["bodies"][0]
+    jumps = np.linspace(0.0, 0.4, n_pieces + 1)[1:-1]  # inside the rod
+    velocities = np.arange(float(n_pieces)) % 2  # 0 and 1 m/s in turn
+    steps = ri.Steps(velocities, jumps)
+    crowded = ri.System([LEFT.replace(velocity=steps), LEFT])
+    rod_of_no_length, _ = tables_of(ri.Case(with_joint))["case"]["bodies"]
     rod_of_no_length["length"] = "x"
     designs = [
-        tables_of(ri.Case(joint)),
-        tables_of(ri.Case(ri.System([crowded, LEFT]))),
+        tables_of(ri.Case(with_joint)),
+        tables_of(ri.Case(crowded)),
         {"case": {"bodies": [rod_of_no_length]}},
     ]
 
@@ -523,7 +541,8 @@ def test_scenes_of_the_page_are_those_of_python_with_the_same_functions():
     clock.
     """
     pages = answers("sceneOf", [*DESIGNS.values()])
-    for (key, design), answer in zip(DESIGNS.items(), pages, strict=True):
+    for key, answer in zip(DESIGNS, pages, strict=True):
+        design = DESIGNS[key]
         scene = scene_of(design["case"], design["gauges"], LIBRARY)
         python = json.loads(json.dumps(scene, allow_nan=False))
         restitution = python["restitution"]

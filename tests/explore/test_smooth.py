@@ -128,6 +128,7 @@ def solved_by_the_page(cases, gauges=()):
 
 
 def solve(case):
+    """The solution of a case by characteristics."""
     return ri.solve(
         case.system, **case.solve, method="characteristics", max_events=20_000
     )
@@ -147,9 +148,12 @@ def test_random_rows_on_the_page_are_those_of_solve_within_the_stated_errors(see
 @pytest.mark.exhaustive
 @needs_node
 def test_late_contacts_on_the_page_are_rounded_within_their_stated_error():
-    """Rounded transit times of the page's clock have added up there."""
+    """By then the errors of the page's clock, which rounds transit times, have added
+    up.
+    """
     cases = [random_row(seed) for seed in (24, 71)]
-    for case, scene in zip(cases, solved_by_the_page(cases), strict=True):
+    scenes = solved_by_the_page(cases)
+    for case, scene in zip(cases, scenes, strict=True):
         solution = ri.solve(case.system, method="characteristics", rtol=1e-11)
         check_velocities(scene["outcome"], solution)
         check_contacts(scene["outcome"], solution)
@@ -158,23 +162,23 @@ def test_late_contacts_on_the_page_are_rounded_within_their_stated_error():
 def test_the_errors_of_velocity_and_duration_count_rounded_transit_times():
     """Later events make both larger, and shorter contacts as well."""
     transit_error = 1e-12  # relative
-    rods = [
-        ri.Rod(1.0, area=1e-4, material=STEEL, velocity=1.0),
-        ri.Rod(0.7, area=1e-4, material=STEEL),
-    ]
-    system = ri.System(rods, contacts=[ri.Spring(1e9)], gaps=[1e-5])
+    striker = ri.Rod(1.0, area=1e-4, material=STEEL, velocity=1.0)
+    struck = ri.Rod(0.7, area=1e-4, material=STEEL)
+    system = ri.System([striker, struck], contacts=[ri.Spring(1e9)], gaps=[1e-5])
     tables = tables_of(ri.Case(system, {}))
-    run = run_with_errors(
-        build_row(system_of(tables, LIBRARY)), request_of(tables), 1e-8, np.inf
-    )
+    row = build_row(system_of(tables, LIBRARY))
+    run = run_with_errors(row, request_of(tables), 1e-8, np.inf)
+    ended = run["ended"]
 
-    velocity, _, _, duration, time = rounding_errors(run["ended"], transit_error)
+    velocity, _, _, duration, time = rounding_errors(ended, transit_error)
 
-    _, _, _, (contact_duration,), times = measures_of(run["ended"])
+    _, _, _, (contact_duration,), times = measures_of(ended)
     last_over_duration = max(times) / contact_duration
+    velocity_error = transit_error * (1 + last_over_duration)
+    duration_error = transit_error * (1 + 2 * last_over_duration)
     assert time == transit_error
-    assert velocity == pytest.approx(transit_error * (1 + last_over_duration))
-    assert duration == pytest.approx(transit_error * (1 + 2 * last_over_duration))
+    assert velocity == pytest.approx(velocity_error)
+    assert duration == pytest.approx(duration_error)
 
 
 def check_velocities(page, solution):
@@ -182,19 +186,21 @@ def check_velocities(page, solution):
     errors.
     """
     outcome = solution.outcome
-    accuracy = solution.accuracy["velocity"] * solution.fields.clock.scale
-    tolerance = accuracy + page["errors"]["velocity"]
     assert page["final"] == outcome.final
-    assert page["before"] == pytest.approx(outcome.velocities_before, abs=1e-12)
-    assert page["after"] == pytest.approx(
-        outcome.velocities_after, rel=0, abs=tolerance
-    )
+    before = outcome.velocities_before
+    assert page["before"] == pytest.approx(before, abs=1e-12)
+    after = outcome.velocities_after
+    error_of_solution = solution.accuracy["velocity"] * solution.fields.clock.scale
+    tolerance = error_of_solution + page["errors"]["velocity"]
+    assert page["after"] == pytest.approx(after, rel=0, abs=tolerance)
     has_e = outcome.why_no_restitution() == ""
-    assert (page["why"] == "") == has_e
+    page_has_e = page["why"] == ""
+    assert page_has_e == has_e
     if has_e:
         e = outcome.restitution
         round_off = 1e-12
-        assert page["restitution"] == pytest.approx(e, abs=page["error"] + round_off)
+        tolerance = page["error"] + round_off
+        assert page["restitution"] == pytest.approx(e, abs=tolerance)
 
 
 def check_contacts(page, solution):
@@ -206,8 +212,8 @@ def check_contacts(page, solution):
         values = [getattr(tally, key) for tally in tallies]
         accuracy = solution.accuracy[key.replace("_", " ")]
         tolerance = accuracy * max(values) + page["errors"][key]
-        shown = [contact[key] for contact in page["contacts"]]
-        assert shown == pytest.approx(values, rel=0, abs=tolerance)
+        values_on_page = [contact[key] for contact in page["contacts"]]
+        assert values_on_page == pytest.approx(values, rel=0, abs=tolerance)
     for contact, tally in zip(page["contacts"], tallies, strict=True):
         # Many episodes are grazes, of which another clock may count more or fewer.
         if tally.episodes <= 20:
@@ -217,9 +223,10 @@ def check_contacts(page, solution):
 def check_energies(page, outcome):
     """Energies on the page are those of an outcome, within the stated error."""
     before = outcome.kinetic_before + sum(outcome.vibration_before)
-    tolerance = page["errors"]["energy"] + 1e-12 * before
-    vibration = sum(outcome.vibration_after)
     assert page["energy_before"] == pytest.approx(before, rel=1e-12)
+    vibration = sum(outcome.vibration_after)
+    round_off = 1e-12 * before
+    tolerance = page["errors"]["energy"] + round_off
     assert page["vibration_after"] == pytest.approx(vibration, rel=1e-9, abs=tolerance)
 
 
@@ -252,46 +259,52 @@ def test_grids_paths_and_curves_of_the_page_are_those_of_the_solution(name):
     if name == "ends":
         options["until"] = 6e-4  # a driven run needs an end
     case = ri.Case(PICTURES[name], options)
-    rods = [i for i, body in enumerate(case.system.bodies) if isinstance(body, ri.Rod)]
-    last_rod = rods[-1]
-    (scene,) = solved_by_the_page([case], [{"body": last_rod, "fraction": 0.3}])
+    bodies = case.system.bodies
+    *_, last_rod = [i for i, body in enumerate(bodies) if isinstance(body, ri.Rod)]
+    gauge = {"body": last_rod, "fraction": 0.3}
+    (scene,) = solved_by_the_page([case], [gauge])
     solution = solve(case)
-    energy, gauge = scene["plots"]
     check_grids(scene["tiling"], solution)
     check_paths(scene["bodies"], solution)
     check_forces_and_gaps(scene["contacts"], solution)
-    check_energy_curves(energy["series"], solution)
-    check_gauge(gauge["series"][0], solution, last_rod)
+    energy_plot, gauge_plot = scene["plots"]
+    check_energy_curves(energy_plot["series"], solution)
+    (gauge_curve,) = gauge_plot["series"]
+    check_gauge(gauge_curve, solution, last_rod)
 
 
 def middles_of(times):
-    return (np.array(times)[1:] + np.array(times)[:-1]) / 2
+    """Middles of the intervals between times, one fewer than times."""
+    times = np.array(times)
+    return (times[1:] + times[:-1]) / 2
 
 
 def check_grids(grids, solution):
     """Points of the grids are displaced as in the solution."""
-    assert max(grids["t"]) == pytest.approx(solution.t_end, rel=1e-9)
+    end = solution.t_end
+    starts = grids["start"]  # of the points of each grid
+    assert max(grids["t"]) == pytest.approx(end, rel=1e-9)
     for g, body in enumerate(grids["body"]):
-        points = slice(grids["start"][g], grids["start"][g + 1])
+        points = slice(starts[g], starts[g + 1])
         x = np.array(grids["x"][points])
-        t = np.minimum(grids["t"][points], solution.t_end)
-        shown = np.array(grids["displacement"][points])
+        t = np.minimum(grids["t"][points], end)  # without round-off
+        on_page = np.array(grids["displacement"][points])
         displacement = solution.displacement(body, x, t)
-        tolerance = 1e-13 + 1e-7 * max(abs(shown))
-        assert shown == pytest.approx(displacement, abs=tolerance)
+        tolerance = 1e-13 + 1e-7 * max(abs(on_page))
+        assert on_page == pytest.approx(displacement, abs=tolerance)
 
 
 def check_paths(bodies, solution):
     """Masses and walls move as in the solution; rods have no path."""
     for i, body in enumerate(solution.system.bodies):
         path = bodies[i]["path"]
-        assert (path is None) == isinstance(body, ri.Rod)
-        if path is not None:
-            t = np.minimum(path["t"], solution.t_end)
-            displacement = solution.displacement(i, 0.0, t)
-            assert path["displacement"] == pytest.approx(
-                displacement, rel=1e-6, abs=1e-12
-            )
+        if isinstance(body, ri.Rod):
+            assert path is None
+            continue
+        t = np.minimum(path["t"], solution.t_end)  # without round-off
+        displacement = solution.displacement(i, 0.0, t)
+        on_page = path["displacement"]
+        assert on_page == pytest.approx(displacement, rel=1e-6, abs=1e-12)
 
 
 def check_forces_and_gaps(contacts, solution):
@@ -299,13 +312,17 @@ def check_forces_and_gaps(contacts, solution):
     peaks = [contact.peak_force for contact in solution.contacts]
     tolerance = 0.02 * np.nanmax(peaks)
     for contact, page in zip(solution.contacts, contacts, strict=True):
-        force = page["force"]
+        force_curve = page["force"]
         if not np.isnan(contact.peak_force):
-            middles = middles_of(force["t"])
-            shown = np.interp(middles, force["t"], force["y"])
-            assert shown == pytest.approx(contact.force(middles), abs=tolerance)
-        t = np.minimum(page["gap"]["t"], solution.t_end)
-        assert page["gap"]["y"] == pytest.approx(contact.gap(t), abs=1e-11)
+            times = force_curve["t"]
+            middles = middles_of(times)
+            force_on_page = np.interp(middles, times, force_curve["y"])
+            force = contact.force(middles)
+            assert force_on_page == pytest.approx(force, abs=tolerance)
+        gap_curve = page["gap"]
+        t = np.minimum(gap_curve["t"], solution.t_end)  # without round-off
+        gap = contact.gap(t)
+        assert gap_curve["y"] == pytest.approx(gap, abs=1e-11)
 
 
 KIND_OF_ENERGY = {
@@ -319,21 +336,28 @@ KIND_OF_ENERGY = {
 
 def check_energy_curves(curves, solution):
     """Energies are those of the ledger; the strain energy is a sum over few points."""
-    ledger = solution.energy(np.minimum(curves[0]["t"], solution.t_end))
+    first_curve, *_ = curves
+    times = np.minimum(first_curve["t"], solution.t_end)  # the same for all curves
+    ledger = solution.energy(times)
     for curve in curves:
         kind = KIND_OF_ENERGY[curve["name"]]
         rtol = 1e-6
         if kind in ("strain", "vibrational_kinetic"):
             rtol = 0.003
-        energy = getattr(ledger, kind)[1:]
         tolerance = rtol * ledger.total.max()
-        assert curve["y"][1:] == pytest.approx(energy, abs=tolerance)
+        energy = getattr(ledger, kind)
+        _, *after_start = energy
+        _, *on_page = curve["y"]
+        assert on_page == pytest.approx(after_start, abs=tolerance)
 
 
 def check_gauge(curve, solution, body):
     """A gauge at 0.3 of a rod records the strain of the solution, in 1e-6."""
     x = 0.3 * solution.system.bodies[body].length
-    middles = middles_of(curve["t"])[np.diff(curve["t"]) > 0]
+    times = curve["t"]
+    lasts = np.diff(times) > 0  # a jump has two points at one time
+    middles = middles_of(times)[lasts]
     strain = 1e6 * solution.gauge(body, x).strain_at(middles)
-    shown = np.interp(middles, curve["t"], curve["y"])
-    assert shown == pytest.approx(strain, abs=0.01 * max(abs(strain)))
+    strain_on_page = np.interp(middles, times, curve["y"])
+    tolerance = 0.01 * max(abs(strain))
+    assert strain_on_page == pytest.approx(strain, abs=tolerance)

@@ -700,6 +700,7 @@ def velocities_of(system):
 
 
 def test_gravity_and_held_ends_stay_when_time_is_turned_round():
+    """Velocities change their sign; gravity and ends do not."""
     bodies = [rod(velocity=1.0), MASS, ri.Wall(1.0)]
     laws = [ri.Hertz(1.0), ri.Rigid(restitution=1)]
     ends = (ri.Fixed(), ri.Free())
@@ -1055,6 +1056,7 @@ def test_steps_of_a_rod_with_lateral_inertia_differ_in_their_sizes_only(word):
 
 
 def test_every_field_of_a_section_counts_for_equality_and_digest():
+    """Eight rods that differ in one field are different and have different digests."""
     rods = [
         rod(),
         rod(area=ri.Samples([1e-4, 1e-4])),
@@ -1078,6 +1080,9 @@ def test_the_description_of_a_bar_has_nothing_of_lateral_inertia():
 
 
 def test_a_taper_is_for_a_grid_and_in_steps_for_fronts():
+    """The method that is chosen for a cone is the grid, and fronts for the cone in
+    steps.
+    """
     tapered = cone(velocity=1.0)
     options = Options()
     of_taper = ri.System([tapered, rod()])

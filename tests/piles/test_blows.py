@@ -42,8 +42,8 @@ def random_soil(rng, length):
 
 def random_toe(rng):
     """The contact of a toe with random soil below it."""
-    resistance = float(rng.uniform(100e3, 600e3))
-    quake = float(rng.uniform(1e-3, 8e-3))
+    resistance = float(rng.uniform(100e3, 600e3))  # N
+    quake = float(rng.uniform(1e-3, 8e-3))  # m
     damping = float(rng.choice([0.0, rng.uniform(0.1, 1.0)]))
     return ri.SmithToe(resistance, quake=quake, damping=damping)
 
@@ -61,7 +61,8 @@ def random_pile(seed):
     velocity = float(rng.uniform(1.0, 4.0))
     mass = float(rng.uniform(500, 5000))
     ram = ri.RigidMass(mass, velocity=velocity)
-    cushion = ri.Cushion(5e8, restitution=float(rng.uniform(0.5, 1.0)))
+    restitution = float(rng.uniform(0.5, 1.0))
+    cushion = ri.Cushion(5e8, restitution=restitution)
     bodies = [ram]
     contacts = [cushion]
     if rng.random() < 0.5:
@@ -69,12 +70,16 @@ def random_pile(seed):
         contacts.append(ri.Spring(2e9))
     bodies.append(pile)
     if rng.random() < 0.3:
-        second_rod = PILE.replace(length=3.0, shaft=random_soil(rng, 3.0))
+        soil = random_soil(rng, 3.0)
+        second_rod = PILE.replace(length=3.0, shaft=soil)
         bodies.append(second_rod)
         contacts.append(ri.Bonded())
-    system = ri.System([*bodies, ri.Wall()], contacts=[*contacts, toe])
+    bodies.append(ri.Wall())
+    contacts.append(toe)
+    system = ri.System(bodies, contacts=contacts)
     if rng.random() < 0.4:
-        system = ri.at_rest(system.replace(gravity=9.81), cells=24)
+        with_weight = system.replace(gravity=9.81)
+        system = ri.at_rest(with_weight, cells=24)
     return system
 
 
@@ -118,6 +123,7 @@ def hammer_size(run):
 @needs_compiler
 @pytest.mark.parametrize("seed", few_of(range(40), [1, 2]))
 def test_a_blow_that_is_over_makes_no_soil_yield_later(seed):
+    """The run goes on for 0.3 s after the blow, without masses that fly up."""
     system = random_pile(seed)
     (blow,) = ri.blows(system, 1, cells=24)
     if not blow.is_over:
@@ -199,16 +205,20 @@ def test_a_ram_that_rattles_on_the_pile_is_not_caught():
 @pytest.mark.exhaustive
 @needs_compiler
 def test_a_pile_comes_to_rest_where_a_blow_says():
+    """A run 30 times as long as the blow ends with the same displacement and mobilised
+    soil.
+    """
     (blow,) = ri.blows(ONE_ROD_PILE, 1, cells=40)
 
     until = 30 * blow.solution.t_end
     later = ri.solve(ONE_ROD_PILE, until=until, cells=40, snapshots=300)
 
-    toe_displacement = later.displacement(1, PILE.length, [0.9 * until, until])
-    mobilised = later.soil(1, until).mobilised  # [node]
-    resting_pile = blow.next_system.bodies[1]
-    expected = np.array(resting_pile.shaft.mobilised.values)
+    late_times = [0.9 * until, until]
+    toe_displacement = later.displacement(1, PILE.length, late_times)
     assert toe_displacement == pytest.approx(blow.displacement, abs=1e-7)
+    mobilised = later.soil(1, until).mobilised  # [node]
+    _, resting_pile, _ = blow.next_system.bodies
+    expected = np.array(resting_pile.shaft.mobilised.values)
     assert mobilised == pytest.approx(expected, abs=2e-4)
 
 
@@ -227,7 +237,8 @@ LUMPED = LumpedPile(
     toe_damping=TOE.damping,
     is_viscous=True,
 )
-"""The pile of one rod with an elastic cushion, in viscous soil, as a chain of masses."""
+"""The pile of one rod with an elastic cushion, in viscous soil, as a chain of masses.
+"""
 
 
 @needs_compiler
@@ -245,7 +256,8 @@ def test_sets_of_blows_grow_as_those_of_a_chain_of_lumped_masses_and_get_steady(
 
     lumped_sets = strike_again(LUMPED, 2, segments=60, duration=0.15, step=2e-5)
     first, second, third = series
-    assert [first.set, second.set] == pytest.approx(lumped_sets, rel=1e-3)
+    first_sets = [first.set, second.set]
+    assert first_sets == pytest.approx(lumped_sets, rel=1e-3)
     assert second.set > 1.01 * first.set
     assert third.displacement == pytest.approx(third.set, rel=1e-3)
 
@@ -254,8 +266,9 @@ def test_sets_of_blows_grow_as_those_of_a_chain_of_lumped_masses_and_get_steady(
 @pytest.mark.parametrize("gravity", few_of([0.0, 9.81], [9.81]))
 def test_a_pile_is_at_rest_between_blows(gravity):
     system = WITH_HELMET
-    if gravity:
-        system = ri.at_rest(system.replace(gravity=gravity), cells=30)
+    if gravity > 0:
+        with_weight = system.replace(gravity=gravity)
+        system = ri.at_rest(with_weight, cells=30)
 
     blow, _ = ri.blows(system, 2, cells=30)
     between = blow.next_system
@@ -270,9 +283,9 @@ def test_a_pile_is_at_rest_between_blows(gravity):
     until = 0.02  # s
     motion = ri.solve(lifted, until=until, cells=30)
     t = np.linspace(0.0, until, 40)
-    x = np.linspace(0.0, PILE.length, 31)[:, None]
-    velocity = motion.velocity(2, x, t)  # m/s [place, time]
-    residual_stress = motion.stress(2, x, 0.0)  # Pa [place, 1]
+    x = np.linspace(0.0, PILE.length, 31)[:, np.newaxis]
+    velocity = motion.velocity(2, x, t)  # m/s [position, time]
+    residual_stress = motion.stress(2, x, 0.0)  # Pa [position, 1]
     assert np.abs(velocity).max() < 1e-7
     assert np.abs(residual_stress).max() > 1e6
 
@@ -305,28 +318,32 @@ def test_a_blow_prints_as_a_sentence():
 
 def test_nothing_holds_a_bare_pile_without_weight_for_a_second_blow():
     bare_pile = PILE.replace(shaft=None)
-    bare = ri.System([RAM, bare_pile, ri.Wall()], contacts=[CUSHION, TOE])
+    bodies = [RAM, bare_pile, ri.Wall()]
+    bare = ri.System(bodies, contacts=[CUSHION, TOE])
 
     series = ri.blows(bare, 2, cells=20)
 
-    (blow,) = series
+    (blow,) = series  # there is no second one
     assert blow.is_over
     assert "no soil holds" in blow.status
-    assert blow.blow_count == pytest.approx(1 / blow.set)
+    blows_per_metre = 1 / blow.set
+    assert blow.blow_count == pytest.approx(blows_per_metre)
 
 
 @pytest.mark.exhaustive
 def test_drag_along_a_shaft_bears_nothing_at_rest_and_is_no_share_of_resistance():
     dragged = PILE.replace(length=2.0, shaft=ri.Drag(3e3))
     bodies = [RAM, dragged, PILE, ri.Wall()]
-    system = ri.System(bodies, contacts=[CUSHION, ri.Bonded(), TOE])
-    at_rest = ri.at_rest(system.replace(gravity=9.81), cells=20)
+    laws = [CUSHION, ri.Bonded(), TOE]
+    system = ri.System(bodies, contacts=laws)
+    with_weight = system.replace(gravity=9.81)
+    at_rest = ri.at_rest(with_weight, cells=20)
 
     (blow,) = ri.blows(at_rest, 1, cells=20)
     graph = ri.bearing_graph(system, 600e3, cells=16, until=0.01)
 
-    next_dragged = blow.next_system.bodies[1]
     assert blow.is_over
+    next_dragged = blow.next_system.bodies[1]
     assert next_dragged.shaft == dragged.shaft
     assert graph.shaft_share == 0.5  # of SOIL and TOE, which bear 300 kN each
     # The short rod has too few cells of the coarse mesh that tells the errors.
@@ -337,18 +354,20 @@ def test_drag_along_a_shaft_bears_nothing_at_rest_and_is_no_share_of_resistance(
 def test_a_pile_of_two_rods_has_set_and_tension_of_one_rod():
     # The resistance of soil is that along the whole rod.
     half_soil = SOIL.replace(resistance=SOIL.resistance / 2)
-    half = PILE.replace(length=PILE.length / 2, shaft=half_soil)
+    half_length = PILE.length / 2
+    half = PILE.replace(length=half_length, shaft=half_soil)
     bodies = [RAM, half, half, ri.Wall()]
-    two = ri.System(bodies, contacts=[CUSHION, ri.Bonded(), TOE])
+    laws = [CUSHION, ri.Bonded(), TOE]
+    two = ri.System(bodies, contacts=laws)
 
     (one_rod,) = ri.blows(ONE_ROD_PILE, 1, cells=40, until=0.04)
     (two_rods,) = ri.blows(two, 1, cells=20, until=0.04)
 
+    assert two_rods.set == pytest.approx(one_rod.set, rel=1e-3)
     tension = two_rods.tension
     expected = one_rod.tension
-    assert two_rods.set == pytest.approx(one_rod.set, rel=1e-3)
     assert tension.stress == pytest.approx(expected.stress, rel=0.02)
-    # Places count from the head of the pile, also in the second rod. Cells are 0.4 m
+    # x is measured from the head of the pile, also in the second rod. Cells are 0.4 m
     # long.
     assert tension.x == pytest.approx(expected.x, abs=1.0)
 

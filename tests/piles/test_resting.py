@@ -15,23 +15,28 @@ UNTIL = 0.02  # s
 
 
 def largest_velocity(system, body, cells):
-    """Largest velocity of a rod and of the body before it in a short run, m/s."""
+    """Largest speed of a rod and of the body before it in a run of 20 ms, m/s."""
     run = ri.solve(system, until=UNTIL, cells=cells)
     t = np.linspace(0.0, UNTIL, 50)
     length = float(system.bodies[body].length)
-    x = np.linspace(0.0, length, 16)[:, None]
-    speed_of_rod = np.abs(run.velocity(body, x, t))
-    speed_before_rod = np.abs(run.velocity(body - 1, 0.0, t))
-    return max(speed_of_rod.max(), speed_before_rod.max())
+    x = np.linspace(0.0, length, 16)[:, np.newaxis]
+    velocity = run.velocity(body, x, t)  # [position, time]
+    velocity_before = run.velocity(body - 1, 0.0, t)
+    speed = np.abs(velocity).max()
+    speed_before = np.abs(velocity_before).max()
+    return max(speed, speed_before)
 
 
 def pile_with_helmet(contact):
-    """A helmet on a pile, and a ram above it that is thrown up."""
+    """A helmet on a pile with this contact, and a ram above it that flies up; not
+    solved.
+    """
     ram = ri.RigidMass(4500.0, velocity=-1.0)
     cushion = ri.Cushion(5e8, restitution=0.8)
     bodies = [ram, HELMET, PILE, ri.Wall()]
     gaps = [0.1, 0.0, 0.0]
-    return ri.System(bodies, gaps, [cushion, contact, TOE], gravity=GRAVITY)
+    laws = [cushion, contact, TOE]
+    return ri.System(bodies, gaps, laws, gravity=GRAVITY)
 
 
 @pytest.mark.parametrize(
@@ -44,29 +49,36 @@ def pile_with_helmet(contact):
     ],
 )
 def test_a_pile_stays_at_rest_under_its_weight_and_that_of_a_helmet(contact, bound):
+    """`bound` is the largest velocity of the pile, m/s. Soil and toe bear the weight."""
+    pile = 2  # index of the body, below ram and helmet
     system = pile_with_helmet(contact)
 
     resting = ri.at_rest(system, cells=40)
 
-    assert largest_velocity(resting, 2, cells=40) < bound
-    assert largest_velocity(system, 2, cells=40) > 1e-2
-    weight = (HELMET.mass + PILE.mass) * GRAVITY
+    assert largest_velocity(resting, pile, cells=40) < bound
+    assert largest_velocity(system, pile, cells=40) > 1e-2
     run = ri.solve(resting, until=1e-4, cells=40)
-    profile = run.soil(2, 0.0)
+    profile = run.soil(pile, 0.0)
     on_shaft = float(profile.resistance @ profile.mobilised)  # N, over all nodes
     overlap_at_toe = -resting.gaps[2]
     below_toe = overlap_at_toe * TOE.stiffness
-    assert on_shaft + below_toe == pytest.approx(weight, rel=1e-6)
+    support = on_shaft + below_toe
+    weight = (HELMET.mass + PILE.mass) * GRAVITY
+    assert support == pytest.approx(weight, rel=1e-6)
 
 
 def test_a_finer_grid_moves_a_resting_pile_by_little():
-    resting = ri.at_rest(pile_with_helmet(ri.Spring(1e9)), cells=50)
+    pile = 2  # index of the body, below ram and helmet
+    system = pile_with_helmet(ri.Spring(1e9))
 
-    assert largest_velocity(resting, 2, cells=50) < 1e-9
-    assert largest_velocity(resting, 2, cells=200) < 1e-4
+    resting = ri.at_rest(system, cells=50)
+
+    assert largest_velocity(resting, pile, cells=50) < 1e-9
+    assert largest_velocity(resting, pile, cells=200) < 1e-4
 
 
 def test_bonded_piles_with_a_joint_rest_on_the_compressed_joint():
+    """The joint is between the pile and a rod without soil."""
     half_soil = SOIL.replace(resistance=150e3)
     half = PILE.replace(length=7.5, shaft=half_soil)
     bare = PILE.replace(length=2.0, shaft=None)
@@ -82,12 +94,16 @@ def test_bonded_piles_with_a_joint_rest_on_the_compressed_joint():
 
 
 def test_what_is_at_rest_without_weight_stays_as_it_is():
-    system = ri.System([HELMET, PILE, ri.Wall()], contacts=[ri.Spring(1e9), TOE])
+    """Gaps are 0 and the pile has no strain."""
+    bodies = [HELMET, PILE, ri.Wall()]
+    laws = [ri.Spring(1e9), TOE]
+    system = ri.System(bodies, contacts=laws)
 
     resting = ri.at_rest(system, cells=10)
 
     assert resting.gaps == (0.0, 0.0)
-    assert not np.any(resting.bodies[1].strain.values)
+    _, pile, _ = resting.bodies
+    assert not np.any(pile.strain.values)
 
 
 def test_a_contact_that_would_pull_opens():
@@ -115,12 +131,14 @@ def test_a_string_on_a_fixed_end_rests_with_the_strain_of_its_weight(is_hanging)
     if not is_hanging:
         bodies.reverse()
         ends.reverse()
-    string = ri.System(bodies, contacts=[ri.Bonded()], ends=ends, gravity=GRAVITY)
+    bond = ri.Bonded()
+    string = ri.System(bodies, contacts=[bond], ends=ends, gravity=GRAVITY)
 
     resting = ri.at_rest(string, cells=60)
 
     body = bodies.index(pipe)
-    strain = np.array(resting.bodies[body].strain.values)  # [cell]
+    resting_pipe = resting.bodies[body]
+    strain = np.array(resting_pipe.strain.values)  # [cell]
     middles = (np.arange(60) + 0.5) / 60 * pipe.length  # x [cell]
     length_beyond = pipe.length - middles
     stress_of_collar = collar.mass * GRAVITY / 3.4e-3
@@ -132,7 +150,7 @@ def test_a_string_on_a_fixed_end_rests_with_the_strain_of_its_weight(is_hanging)
     assert strain == pytest.approx(expected, rel=1e-9)
     run = ri.solve(resting, 1.0, "finite-difference", cells=60)
     t = np.linspace(0.0, 1.0, 40)
-    x = np.linspace(0.0, pipe.length, 7)[:, None]
+    x = np.linspace(0.0, pipe.length, 7)[:, np.newaxis]
     velocity = run.velocity(body, x, t)
     assert np.abs(velocity).max() < 1e-9
 
@@ -174,12 +192,13 @@ def test_the_profile_of_the_soil_tells_resistance_displacement_and_what_yielded(
 
     profile = run.soil(0, UNTIL)
 
+    total_resistance = profile.resistance.sum()
+    assert total_resistance == pytest.approx(SOIL.resistance)
     displacement = run.displacement(0, profile.x, UNTIL)
-    elastic = profile.displacement - profile.plastic_set
-    expected_elastic = profile.mobilised * SOIL.quake
-    assert profile.resistance.sum() == pytest.approx(SOIL.resistance)
     assert profile.displacement == pytest.approx(displacement, abs=1e-15)
     assert np.all(profile.plastic_set > 0)
+    elastic = profile.displacement - profile.plastic_set
+    expected_elastic = profile.mobilised * SOIL.quake
     assert elastic == pytest.approx(expected_elastic, abs=1e-15)
 
 

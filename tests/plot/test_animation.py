@@ -24,17 +24,18 @@ WHITE = (255, 255, 255)
 
 
 def between_walls():
-    """Two rods between a moving wall and one at rest."""
+    """Two rods between a moving wall and one at rest; not solved."""
     bodies = [ri.Wall(1.0), rod(0.3), rod(0.2, area=3e-4), ri.Wall()]
     return ri.System(bodies, gaps=[1e-5, 2e-5, 2e-5])
 
 
 def with_masses():
-    """Two masses and two rods; the last rod goes on for ever."""
-    mass = ri.RigidMass(0.1, velocity=2.0)
-    bodies = [mass, rod(0.4), ri.RigidMass(0.2), rod(0.2)]
+    """Two masses and two rods, the last of which is infinite; not solved."""
+    striker = ri.RigidMass(0.1, velocity=2.0)
+    bodies = [striker, rod(0.4), ri.RigidMass(0.2), rod(0.2)]
     contacts = [ri.Hertz(1e10), ri.Bonded(), ri.Rigid()]
-    return ri.System(bodies, contacts=contacts, ends=(ri.Free(), ri.Absorbing()))
+    ends = (ri.Free(), ri.Absorbing())
+    return ri.System(bodies, contacts=contacts, ends=ends)
 
 
 SYSTEMS = {
@@ -77,13 +78,14 @@ def film(solved):
 
 
 def pixel(film, ax, x, y):
-    """Row and column of a point of an Axes in a frame."""
+    """Row and column of the pixel of a frame at the point (x, y) of an Axes."""
     across, up = ax.transData.transform((x, y))
-    return round(film.figure.bbox.height - up), round(across)
+    down = film.figure.bbox.height - up  # rows are counted from the top
+    return round(down), round(across)
 
 
 def colour_at(frame, film, ax, x, y):
-    """Colour of a point of an Axes in a frame."""
+    """Colour of a frame at the point (x, y) of an Axes, [red, green, blue] to 255."""
     return frame[pixel(film, ax, x, y)]
 
 
@@ -99,7 +101,7 @@ def row_of(film):
     for ax in film.figure.axes[1:]:
         if shared.joined(ax, diagram):
             return ax
-    raise AssertionError("no Axes shares its places with the diagram")
+    raise AssertionError("no Axes shares its x axis with the diagram")
 
 
 def colour_bar_of(film, field):
@@ -111,12 +113,16 @@ def colour_bar_of(film, field):
 
 
 def colour_of(film, field, value):
-    """Colour that a frame should show for a value in SI units."""
+    """Colour that a frame should show for a value in SI units, [red, green, blue] to
+    255.
+    """
     colour_bar = colour_bar_of(film, field)
-    (unit,) = re.findall(r"\((.*)\)", colour_bar.get_ylabel())
+    label = colour_bar.get_ylabel()
+    (unit,) = re.findall(r"\((.*)\)", label)
     factor = {"m/s": 1.0, "MPa": 1e-6}[unit]
     norm = colour_bar._colorbar.norm
-    return np.array(ON_LIGHT(norm(value * factor))[:3]) * 255
+    red, green, blue, _ = ON_LIGHT(norm(value * factor))
+    return np.array([red, green, blue]) * 255
 
 
 def texts_on(film):
@@ -130,65 +136,74 @@ def texts_on(film):
 # Frames
 
 
-PLACES = [(0, 0.07), (0, 0.29), (1, 0.11), (1, 0.53), (1, 0.87)]  # body, x in m
+POINTS = [(0, 0.07), (0, 0.29), (1, 0.11), (1, 0.53), (1, 0.87)]  # body, x in m
 
 
 @pytest.mark.parametrize("field", few_of(["velocity", "stress"], ["stress"]))
 def test_rods_have_their_places_and_the_colour_of_their_state(solved, field):
     solution = solved["unequal"]
-    compute = getattr(solution, field)
+    field_at = getattr(solution, field)
     film = plot.animation(solution, field, frames=9, magnification=1.0)
     row = row_of(film)
 
     for number in (1, 3, 6):
         frame = film.frame(number).astype(float)
         t = film.times[number]
-        for body, x in PLACES:
+        for body, x in POINTS:
             x_drawn = float(solution.position(body, x, t))
             colour = colour_at(frame, film, row, x_drawn, 0.1)
-            expected = colour_of(film, field, float(compute(body, x, t)))
+            value = float(field_at(body, x, t))
+            expected = colour_of(film, field, value)
             assert colour == pytest.approx(expected, abs=3)
 
 
 @pytest.fixture(scope="module")
-def magnified(solved):
+def magnified_film(solved):
     """A film of three frames whose displacements are drawn a thousandfold."""
     return plot.animation(solved["unequal"], frames=3, magnification=1000.0)
 
 
 @pytest.mark.exhaustive
-def test_the_factor_of_displacements_is_named(magnified):
-    label = diagram_of(magnified).get_xlabel()
-    thickness = [text for text in texts_on(magnified) if "thick: compressed" in text]
+def test_the_factor_of_displacements_is_named(magnified_film):
+    label = diagram_of(magnified_film).get_xlabel()
+    texts = "\n".join(texts_on(magnified_film))
 
     assert "displacements \N{MULTIPLICATION SIGN} 1000" in label
-    assert thickness
+    assert "thick: compressed" in texts
 
 
-def test_displacements_are_magnified(solved, magnified):
+def test_displacements_are_magnified(solved, magnified_film):
+    """In the last frame the gap is white, and the rod beside it has a colour."""
     solution = solved["unequal"]
-    t = magnified.times[2]
-    gap = 1000 * float(solution.contacts[0].gap(t))
-    right_end = 0.4 + 1000 * float(solution.displacement(0, 0.4, t))
+    t = magnified_film.times[2]
+    gap = float(solution.contacts[0].gap(t))
+    displacement = float(solution.displacement(0, 0.4, t))
+    drawn_gap = 1000 * gap
+    right_end = 0.4 + 1000 * displacement  # as drawn
 
-    frame = magnified.frame(2)
+    frame = magnified_film.frame(2)
 
-    row = row_of(magnified)
-    in_gap = colour_at(frame, magnified, row, right_end + gap / 2, 0.0)
-    in_rod = colour_at(frame, magnified, row, right_end - 0.02, 0.1)
+    row = row_of(magnified_film)
+    middle_of_gap = right_end + drawn_gap / 2
+    in_gap = colour_at(frame, magnified_film, row, middle_of_gap, 0.0)
+    in_rod = colour_at(frame, magnified_film, row, right_end - 0.02, 0.1)
     assert tuple(in_gap) == WHITE
     assert tuple(in_rod) != WHITE
 
 
 @pytest.mark.parametrize("number", [1, 4])
 def test_the_future_is_hidden_and_the_past_is_that_of_the_end(film, number):
+    """In the diagram all is white above the present time, and below it all pixels are
+    those of the last frame.
+    """
     diagram = diagram_of(film)
     box = diagram.get_window_extent()
     height = film.figure.bbox.height
     columns = slice(int(box.x0) + 3, int(box.x1) - 3)
     top = int(height - box.y1) + 2
     bottom = int(height - box.y0) - 3
-    now, _ = pixel(film, diagram, 0.0, film.times[number] * 1e6)
+    time = film.times[number] * 1e6  # us
+    now, _ = pixel(film, diagram, 0.0, time)
 
     frame = film.frame(number)
     last = film.frame(6)
@@ -196,39 +211,48 @@ def test_the_future_is_hidden_and_the_past_is_that_of_the_end(film, number):
     # Rows of a frame count from the top, and time runs upwards.
     rows_of_future = slice(top, now - 3)
     rows_of_past = slice(now + 4, bottom)
+    future = frame[rows_of_future, columns]
+    assert np.all(future == 255)  # white
     past = frame[rows_of_past, columns]
-    assert np.all(frame[rows_of_future, columns] == 255)
-    assert np.array_equal(past, last[rows_of_past, columns])
+    past_in_last_frame = last[rows_of_past, columns]
+    assert np.array_equal(past, past_in_last_frame)
     assert np.ptp(past) > 200  # it is not blank
 
 
 @pytest.fixture(scope="module")
-def with_approach(solved):
-    """A film whose displacements are so large that rods are seen to approach."""
+def film_with_approach(solved):
+    """A film of 41 frames whose displacements are drawn so large, 2000 times, that rods
+    are seen to approach.
+    """
     return plot.animation(solved["unequal"], frames=41, fps=20, magnification=2000.0)
 
 
 def test_a_film_begins_with_the_approach_in_frames_at_equal_steps(
-    solved, with_approach
+    solved, film_with_approach
 ):
-    times = with_approach.times
-    before_contact = times[times < 0]
+    """Two to eight frames are before contact, and all 41 are at equal steps of time."""
+    times = film_with_approach.times
 
-    interval = times[-1] / (40 - len(before_contact))
-    assert 2 <= len(before_contact) <= 8
+    n_before_contact = np.count_nonzero(times < 0)
+    assert 2 <= n_before_contact <= 8
+    end = times[-1]
+    assert end == solved["unequal"].t_end
+    interval = end / (40 - n_before_contact)
     assert np.diff(times) == pytest.approx([interval] * 40)
-    assert times[-1] == solved["unequal"].t_end
-    assert with_approach.clock(0).startswith("t = \N{MINUS SIGN}")
+    clock_of_first_frame = film_with_approach.clock(0)
+    assert clock_of_first_frame.startswith("t = \N{MINUS SIGN}")
 
 
-def test_rods_are_apart_in_the_approach(with_approach):
-    frame = with_approach.frame(0).astype(float)
+def test_rods_are_apart_in_the_approach(film_with_approach):
+    frame = film_with_approach.frame(0).astype(float)
 
-    row = row_of(with_approach)
-    right_end = 0.4 + 2000 * with_approach.times[0]
-    in_rod = colour_at(frame, with_approach, row, right_end - 0.02, 0.1)
-    in_gap = colour_at(frame, with_approach, row, (right_end + 0.4) / 2, 0.1)
-    expected = colour_of(with_approach, "velocity", 1.0)
+    row = row_of(film_with_approach)
+    contact = 0.4
+    right_end = contact + 2000 * film_with_approach.times[0]  # it moves at 1 m/s
+    middle_of_gap = (right_end + contact) / 2
+    in_rod = colour_at(frame, film_with_approach, row, right_end - 0.02, 0.1)
+    in_gap = colour_at(frame, film_with_approach, row, middle_of_gap, 0.1)
+    expected = colour_of(film_with_approach, "velocity", 1.0)
     assert in_rod == pytest.approx(expected, abs=3)
     assert tuple(in_gap) == WHITE
 
@@ -241,9 +265,9 @@ def test_a_rod_that_comes_from_the_right_is_inside_before_it_touches():
 
     film = plot.animation(solution, frames=60, magnification=2000.0)
 
-    way = -2000 * film.times[0]
-    left, right = film.figure.axes[0].get_xlim()
+    way = -2000 * film.times[0]  # drawn, of the striker until it touches at t = 0
     assert way > 0.05
+    left, right = diagram_of(film).get_xlim()
     assert left < 0.0
     assert right > 0.8 + way
 
@@ -257,21 +281,23 @@ def test_a_rod_that_comes_from_the_right_is_inside_before_it_touches():
         (5.5e-4, "396 µs:\ngap opens"),
     ],
 )
-def test_frames_name_the_last_event(with_approach, time, event):
-    number = int(np.searchsorted(with_approach.times, time))
+def test_frames_name_the_last_event(film_with_approach, time, event):
+    """`time` is that of the frame, s, and `event` the text that it shows."""
+    number = int(np.searchsorted(film_with_approach.times, time))
 
-    with_approach.frame(number)
+    film_with_approach.frame(number)
 
-    events = [text for text in texts_on(with_approach) if is_event(text)]
+    events = [text for text in texts_on(film_with_approach) if is_event(text)]
     assert events == [event]
 
 
 def is_event(text):
+    """Whether a text of a film names an event of the contact."""
     return "contact" in text or "force" in text or "gap" in text
 
 
-def test_a_film_names_the_result(with_approach):
-    title = with_approach.figure.get_suptitle()
+def test_a_film_names_the_result(film_with_approach):
+    title = film_with_approach.figure.get_suptitle()
 
     assert title.startswith("2 rods, closing speed 1 m/s, restitution e = 0.4")
 
@@ -291,6 +317,9 @@ MODES = dict.fromkeys(SYSTEMS, "light") | {"walls": "dark", "masses": "dark"}
 @pytest.mark.exhaustive
 @pytest.mark.parametrize("name", SYSTEMS)
 def test_every_row_moves_on_the_paper_of_its_look_beside_its_forces(solved, name):
+    """Frames differ, their corner has the colour of the paper, and forces are drawn if
+    there is a contact.
+    """
     mode = MODES[name]
     with plot.look(mode):
         film = plot.animation(solved[name], "stress", frames=3)
@@ -298,13 +327,21 @@ def test_every_row_moves_on_the_paper_of_its_look_beside_its_forces(solved, name
     frames = list(film.frames())
 
     first, second, third = frames
-    paper = np.round(np.array(to_rgb(film.colours.paper)) * 255)
     assert first.shape == second.shape == third.shape
     assert not np.array_equal(first, second)
     assert not np.array_equal(second, third)
-    assert np.array_equal(first[0, 0], paper)
     assert film.colours == LOOKS[mode]
-    assert len(forces_of(film)) == (name not in ("single", "driven"))
+    corner = first[0, 0]
+    assert np.array_equal(corner, paper_of(mode))
+    has_contacts = name not in ("single", "driven")
+    n_axes_of_forces = len(forces_of(film))
+    assert n_axes_of_forces == int(has_contacts)
+
+
+def paper_of(mode):
+    """Colour of the paper of a look, [red, green, blue] to 255."""
+    red_green_blue = np.array(to_rgb(LOOKS[mode].paper))
+    return np.round(red_green_blue * 255)
 
 
 LENGTHS = list(itertools.product([2, 3, 5, 20, 61], [1.0, 300.0, None]))
@@ -350,6 +387,7 @@ def assert_alike(a, b):
 
 @pytest.fixture(scope="module")
 def saved_gif(film, tmp_path_factory):
+    """The path of `film`, saved as a GIF."""
     path = tmp_path_factory.mktemp("film") / "a.gif"
     plot.save(film, path)
     return path
@@ -357,12 +395,15 @@ def saved_gif(film, tmp_path_factory):
 
 @pytest.mark.exhaustive
 def test_a_gif_is_the_same_every_time(film, saved_gif, tmp_path):
-    plot.save(film, tmp_path / "b.GIF")
+    path = tmp_path / "b.GIF"
 
-    assert (tmp_path / "b.GIF").read_bytes() == saved_gif.read_bytes()
+    plot.save(film, path)
+
+    assert path.read_bytes() == saved_gif.read_bytes()
 
 
 def test_a_gif_shows_every_frame_in_its_time_again_and_again(film, saved_gif):
+    """Seven frames of 100 ms, of which the last one is held, are repeated for ever."""
     durations = []
     with Image.open(saved_gif) as gif:
         assert gif.n_frames == 7
@@ -378,6 +419,7 @@ def test_a_gif_shows_every_frame_in_its_time_again_and_again(film, saved_gif):
 
 @pytest.mark.parametrize("name", ["a.png", "a"])
 def test_save_names_the_formats_of_an_animation(film, tmp_path, name):
+    """A wrong suffix or none is refused, with those that can be saved."""
     with pytest.raises(ValueError, match=r"\.gif, \.mp4"):
         plot.save(film, tmp_path / name)
 
@@ -388,7 +430,8 @@ def test_a_notebook_plays_it(film):
 
     data, description = re.fullmatch(image, film._repr_html_()).groups()
 
-    with Image.open(io.BytesIO(base64.b64decode(data))) as gif:
+    file = io.BytesIO(base64.b64decode(data))
+    with Image.open(file) as gif:
         assert gif.n_frames == 7
     assert description.startswith("2 rods, closing speed 1 m/s")
 
@@ -421,12 +464,14 @@ open(sys.argv[-1], "wb").write(options + b"|" + data)
 
 @pytest.mark.exhaustive
 def test_an_mp4_is_made_by_ffmpeg_from_the_frames(film, tmp_path, monkeypatch):
+    """A program in its place records its options and its input, which are all frames."""
     install_ffmpeg(tmp_path, monkeypatch, RECORDING_FFMPEG)
 
-    film.save(tmp_path / "film.mp4")
+    path = tmp_path / "film.mp4"
 
-    file = (tmp_path / "film.mp4").read_bytes()
-    options, _, data = file.partition(b"|")
+    film.save(path)
+
+    options, _, data = path.read_bytes().partition(b"|")
     height, width, _ = film.frame(0).shape
     frames = [frame.tobytes() for frame in film.frames()]
     assert f"-s {width}x{height} -r 10 ".encode() in options
@@ -466,12 +511,12 @@ def test_the_command_makes_the_film(case, capsys):
     assert status == 0
     assert out == "4 frames from 0 s to 200 us, 0.2 s to watch: film.gif\n"
     assert err == ""
-    dark = np.round(np.array(to_rgb(LOOKS["dark"].paper)) * 255)
     with Image.open("film.gif") as gif:
-        corner = np.asarray(gif.convert("RGB"))[0, 0]
         assert gif.n_frames == 4
-        assert gif.info["duration"] == 50
-        assert np.array_equal(corner, dark)
+        assert gif.info["duration"] == 50  # ms, at 20 frames a second
+        pixels = np.asarray(gif.convert("RGB"))
+        corner = pixels[0, 0]
+        assert np.array_equal(corner, paper_of("dark"))
 
 
 def test_the_command_says_that_ffmpeg_is_missing(case, capsys):
@@ -480,4 +525,5 @@ def test_the_command_says_that_ffmpeg_is_missing(case, capsys):
     missing = "ffmpeg, which makes MP4 files, is not on the path"
     remedy = "install it, or write a .gif"
     assert status == 1
-    assert f"{missing}; {remedy}" in capsys.readouterr().err
+    _, error = capsys.readouterr()
+    assert f"{missing}; {remedy}" in error

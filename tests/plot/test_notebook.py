@@ -29,11 +29,14 @@ def description(html):
 
 
 def image(html):
+    """The picture in the HTML of a result."""
     data = PICTURE.search(html)["data"]
-    return Image.open(io.BytesIO(base64.b64decode(data)))
+    file = io.BytesIO(base64.b64decode(data))
+    return Image.open(file)
 
 
 def table(html):
+    """The table in the HTML of a result, a text."""
     return TABLE.search(html)[1]
 
 
@@ -58,6 +61,7 @@ DESCRIPTIONS = {
 
 @pytest.fixture(scope="module")
 def solution():
+    """The solution of a rod of 0.4 m that strikes one of 1 m."""
     return ri.solve(ri.System([rod(0.4, 1.0), rod()]))
 
 
@@ -84,14 +88,16 @@ def test_the_table_of_a_family_has_units_and_names_the_way_to_all_rows():
     areas = np.linspace(1e-4, 2e-4, 30)
     family = ri.System([rod(0.4, 1.0), rod(area=areas)])
 
-    text = table(ri.sweep(family)._repr_html_())
+    html = ri.sweep(family)._repr_html_()
 
+    text = table(html)
     assert "0.0001 m^2" in text
     assert "12 of 30; to_csv writes all, save keeps them" in text
 
 
 @pytest.mark.exhaustive
 def test_without_the_public_names_a_solution_shows_its_table():
+    """With submodules imported alone, the HTML of a solution has no picture."""
     code = """
 from rodimpact.model import Rod, System, Wall
 from rodimpact.materials import steel

@@ -38,25 +38,28 @@ POINTS_PER_INCH = 72
 
 
 def stepped_rod():
-    """A rod of two segments."""
+    """A rod of two segments, of 0.3 m and of 0.4 m with the threefold area."""
     thin = ri.Segment(0.3, AREA, STEEL)
     thick = ri.Segment(0.4, 3 * AREA, STEEL)
     return ri.Rod(segments=[thin, thick])
 
 
 def bonded_rods():
-    """A rod that strikes two that are bonded."""
+    """A rod that strikes two bonded rods; not solved."""
     rods = [rod(0.4, 1.0), rod(0.3, area=2e-4), rod(0.6)]
     return ri.System(rods, contacts=[ri.Rigid(), ri.Bonded()])
 
 
 def between_walls():
-    """A rod that flies between two walls."""
-    return ri.System([ri.Wall(), rod(0.3, 10.0), ri.Wall()], gaps=[1e-3, 2e-3])
+    """A rod that flies between two walls; not solved."""
+    bodies = [ri.Wall(), rod(0.3, 10.0), ri.Wall()]
+    return ri.System(bodies, gaps=[1e-3, 2e-3])
 
 
 def with_moving_wall():
-    """A wall that moves against two rods, of which the second comes to meet it."""
+    """A wall that moves against two rods, the second of which comes to meet it; not
+    solved.
+    """
     bodies = [ri.Wall(2.0), rod(0.4), rod(0.6, -1.0)]
     return ri.System(bodies, gaps=[5e-5, 2e-5])
 
@@ -102,16 +105,19 @@ def solved():
 
 def fronts(picture):
     """The collection of the lines of all fronts."""
-    (lines,) = [
-        lines for lines in picture.ax.collections if lines.get_label() == "fronts"
-    ]
-    return lines
+    for lines in picture.ax.collections:
+        if lines.get_label() == "fronts":
+            return lines
+    raise AssertionError("the picture has no fronts")
 
 
 def polygon_area(points):
     """Area of a polygon of points [point, (x, y)], by the shoelace formula."""
     x, y = points.T
-    return abs(np.dot(x, np.roll(y, -1)) - np.dot(y, np.roll(x, -1))) / 2
+    next_x = np.roll(x, -1)
+    next_y = np.roll(y, -1)
+    twice_the_area = np.dot(x, next_y) - np.dot(y, next_x)
+    return abs(twice_the_area) / 2
 
 
 # Space-time diagram
@@ -119,6 +125,7 @@ def polygon_area(points):
 
 @some_rows
 def test_regions_tile_each_rod_between_its_ends(solved, name):
+    """Areas of all regions sum to the area between the ends, in position and time."""
     picture = plot.spacetime(solved[name], axes())
 
     # Paths of the left and the right end of each rod in turn, [point, (x, t)]
@@ -133,6 +140,9 @@ def test_regions_tile_each_rod_between_its_ends(solved, name):
 
 @some_rows
 def test_rods_never_overlap_and_gaps_are_drawn_to_the_same_scale(solved, name):
+    """The distance of drawn ends is the gap of the solution, magnified as displacements
+    are.
+    """
     solution = solved[name]
     magnification = 50.0
 
@@ -140,19 +150,26 @@ def test_rods_never_overlap_and_gaps_are_drawn_to_the_same_scale(solved, name):
         solution, axes(), coordinates="lab", magnification=magnification
     )
 
-    time_unit = picture.ax.get_ylabel()[-3:-1]
-    scale = {"µs": 1e6, "ms": 1e3}[time_unit]
+    time_unit = picture.ax.get_ylabel()[-3:-1]  # the label ends with "(µs)" or "(ms)"
+    units_per_second = {"µs": 1e6, "ms": 1e3}[time_unit]
+    times = np.linspace(0, solution.t_end, 50)  # s
+
+    def positions(path):
+        """Positions of an end at the times, from its path [point, (x, t)]."""
+        x, t = path.T
+        return np.interp(times, t / units_per_second, x)
+
+    # Paths of the left and the right end of each rod in turn
     paths = picture.ends.get_segments()
+    right_ends = paths[1:-1:2]  # of each rod but the last one
+    left_ends = paths[2::2]  # of the next rod
     bodies = solution.system.bodies
     rods = [i for i, body in enumerate(bodies) if isinstance(body, ri.Rod)]
-    times = np.linspace(0, solution.t_end, 50)
-    # The right end of each rod but the last, and the left end of the next one: the
-    # contact between them has the number of the first.
-    for right, left, k in zip(paths[1:-1:2], paths[2::2], rods, strict=False):
-        right_end = np.interp(times, right[:, 1] / scale, right[:, 0])
-        left_end = np.interp(times, left[:, 1] / scale, left[:, 0])
+    for right, left, k in zip(right_ends, left_ends, rods, strict=False):
+        # The contact between two bodies has the number of the first one.
         gap = magnification * solution.contacts[k].gap(times)
-        assert left_end - right_end == pytest.approx(gap, abs=1e-9)
+        drawn_gap = positions(left) - positions(right)
+        assert drawn_gap == pytest.approx(gap, abs=1e-9)
 
 
 FIELDS = ["velocity", "stress", "strain"]
@@ -170,7 +187,8 @@ def test_colour_limits_are_symmetric_about_rest_and_hold_all_values(
         at_rest = 100.0  # m/s, of the drift
     norm = picture.regions.norm
     values = picture.regions.get_array()
-    assert (norm.vmin + norm.vmax) / 2 == pytest.approx(at_rest, abs=1e-9)
+    middle = (norm.vmin + norm.vmax) / 2
+    assert middle == pytest.approx(at_rest, abs=1e-9)
     assert norm.vmin <= values.min() <= values.max() <= norm.vmax
     assert norm.vmax > norm.vmin
 
@@ -189,47 +207,54 @@ def test_colour_of_each_region_is_the_field_in_its_middle(solved, field, scale):
 
     values = plot.spacetime(solution, axes(), field).regions.get_array()
 
-    compute = getattr(solution, field)
-    limits = zip(regions.start, regions.start[1:], strict=False)
-    for i, (begin, end) in enumerate(limits):
-        x = regions.x[begin:end].mean()
+    field_at = getattr(solution, field)
+    for i, begin in enumerate(regions.start[:-1]):
+        end = regions.start[i + 1]
+        x = regions.x[begin:end].mean()  # of the corners
         t = regions.t[begin:end].mean()
-        expected = float(compute(int(regions.body[i]), x, t)) * scale
+        body = int(regions.body[i])
+        expected = float(field_at(body, x, t)) * scale
         assert values[i] == pytest.approx(expected, abs=1e-9)
 
 
 @pytest.fixture(scope="module")
-def crowded():
-    """A collision with so many fronts that lines at all of them would fill the
-    diagram.
+def crowded_solution():
+    """The solution of a collision with so many fronts that lines at all of them would
+    fill the diagram.
     """
     segments = []
     for i in range(5):
-        length = 0.1 + 0.03 * (7 * i % 5)
+        length = 0.1 + 0.03 * (7 * i % 5)  # each one another, in no order
         area = AREA * (1 + 3 * i % 4)
         segments.append(ri.Segment(length, area, STEEL))
-    head = ri.Rod(segments=segments)
-    return ri.solve(ri.System([rod(0.4, 1.0), head]))
+    struck = ri.Rod(segments=segments)
+    return ri.solve(ri.System([rod(0.4, 1.0), struck]))
 
 
 @pytest.fixture(scope="module")
-def crowded_picture(crowded):
-    return plot.spacetime(crowded, axes())
+def crowded_picture(crowded_solution):
+    """The space-time diagram of `crowded_solution`."""
+    return plot.spacetime(crowded_solution, axes())
 
 
 @pytest.mark.exhaustive
 def test_a_crowd_has_lines_at_its_strongest_fronts_alone(crowded_picture):
+    """Fewer than a third of the regions have a line, and lines are 12 points apart in
+    the mean.
+    """
     ax = crowded_picture.ax
-    drawn = fronts(crowded_picture).get_segments()
-    regions = crowded_picture.regions.get_array().size
-    assert 10 < len(drawn) < regions / 3
+    lines = fronts(crowded_picture).get_segments()
+    n_regions = crowded_picture.regions.get_array().size
+    assert 10 < len(lines) < n_regions / 3
 
     points_per_pixel = POINTS_PER_INCH / ax.figure.dpi
-    ends = ax.transData.transform(np.concatenate(drawn)).reshape(-1, 2, 2)  # pixels
-    dx, dy = np.diff(ends, axis=1)[:, 0].T
-    length = np.hypot(dx, dy).sum() * points_per_pixel
-    area = np.prod(ax.get_window_extent().size) * points_per_pixel**2
-    assert length <= area / 12  # no nearer than 12 points, in the mean
+    pixels = ax.transData.transform(np.concatenate(lines))
+    ends = pixels.reshape(-1, 2, 2) * points_per_pixel  # [line, end, (x, y)], points
+    dx, dy = (ends[:, 1] - ends[:, 0]).T
+    length_of_all_lines = np.hypot(dx, dy).sum()
+    width, height = ax.get_window_extent().size * points_per_pixel
+    # Lines are 12 points apart or more, in the mean.
+    assert length_of_all_lines <= width * height / 12
 
 
 def test_the_strongest_front_of_a_crowd_has_a_line(crowded_picture):
@@ -243,60 +268,81 @@ def test_the_strongest_front_of_a_crowd_has_a_line(crowded_picture):
     assert min(distances) < 1e-9
 
 
-def test_bars_of_a_crowd_merge_and_keep_length_and_momentum(crowded):
-    end = crowded.t_end
+def test_bars_of_a_crowd_merge_and_keep_length_and_momentum(crowded_solution):
+    """In a snapshot pieces of nearly the same velocity are drawn as one bar."""
+    end = crowded_solution.t_end
 
-    stages = plot.snapshots(crowded, axes(), [end], magnification=1.0)
+    stages = plot.snapshots(crowded_solution, axes(), [end], magnification=1.0)
 
     boxes = [path.get_extents() for path in stages.bars.get_paths()]
     widths = np.array([box.width for box in boxes])
-    # All rods have the same section: momentum is the integral of the velocity, m^2/s.
-    pieces = 0
-    momentum = 0.0
+    fields = crowded_solution.fields
+    n_pieces = 0
+    momentum = 0.0  # of a unit of mass per length: the integral of velocity, m^2/s
     for body in (0, 1):
-        profile = crowded.fields.profile(body, crowded.fields.end)
-        pieces += profile.velocity.size
-        momentum += float(profile.velocity @ np.diff(profile.edges))
-    drawn_momentum = stages.bars.get_array() @ widths
-    assert len(boxes) < pieces / 2
+        profile = fields.profile(body, fields.end)
+        n_pieces += profile.velocity.size
+        lengths = np.diff(profile.edges)
+        momentum += float(profile.velocity @ lengths)
+    assert len(boxes) < n_pieces / 2
     assert widths.sum() == pytest.approx(1.2, abs=1e-3)  # m, of both rods
+    drawn_momentum = stages.bars.get_array() @ widths
     assert drawn_momentum == pytest.approx(momentum, rel=1e-3)
 
 
+def times_of_ends(line):
+    """Times of the first and the last point of a line [point, (x, t)]."""
+    times = line[:, 1]
+    return times[0], times[-1]
+
+
 def test_contact_presses_then_touches_then_opens(solved):
-    transit = 0.4 / C * MICROSECONDS
+    """It presses until the wave is back from the free end of the striker, touches until
+    the wave is back from that of the struck rod, and is apart until the run ends.
+    """
+    transit = 0.4 / C * MICROSECONDS  # of the striker
+    force_end = 2 * transit
+    opening = 5 * transit  # 2 l2/c, with l2 = 1 m = 2.5 l1
+    end = 7 * transit
 
     picture = plot.spacetime(solved["unequal"], axes())
 
     (pressing,) = picture.pressing.get_segments()
     (touching,) = picture.touching.get_segments()
     (apart,) = picture.apart.get_segments()
-    assert pressing[[0, -1], 1] == pytest.approx([0, 2 * transit])
-    assert touching[[0, -1], 1] == pytest.approx([2 * transit, 5 * transit])
-    assert apart[:, 0] == pytest.approx([0.4, 0.4])
-    assert apart[[0, -1], 1] == pytest.approx([5 * transit, 7 * transit])
-    pressing_width = picture.pressing.get_linewidth()[0]
-    assert pressing_width > picture.touching.get_linewidth()[0]
+    assert times_of_ends(pressing) == pytest.approx((0, force_end))
+    assert times_of_ends(touching) == pytest.approx((force_end, opening))
+    assert times_of_ends(apart) == pytest.approx((opening, end))
+    positions = apart[:, 0]
+    assert positions == pytest.approx([0.4, 0.4])
+    pressing_width, *_ = picture.pressing.get_linewidth()
+    touching_width, *_ = picture.touching.get_linewidth()
+    assert pressing_width > touching_width
     assert legend(picture) == ["pressing", "touching", "apart"]
 
 
 def test_axes_carry_units_and_the_magnification(solved):
     picture = plot.spacetime(solved["unequal"], axes(), "stress", coordinates="lab")
 
-    label = picture.ax.get_xlabel()
+    ax = picture.ax
+    label = ax.get_xlabel()
     assert "(m)" in label
     assert label.endswith("displacements \N{MULTIPLICATION SIGN} 2000")
-    assert picture.ax.get_ylabel() == "time t (µs)"
-    assert picture.colour_bar.ax.get_ylabel() == "stress, tension positive (MPa)"
+    assert ax.get_ylabel() == "time t (µs)"
+    colour_bar = picture.colour_bar.ax
+    assert colour_bar.get_ylabel() == "stress, tension positive (MPa)"
 
 
 def test_units_fit_the_numbers(solved):
+    """Small and large values have a prefix in the labels: nm/s, ms."""
     strain = plot.spacetime(solved["unequal"], axes(), "strain")
-    tiny = plot.spacetime(solved["tiny"], axes())
+    slow = plot.spacetime(solved["tiny"], axes())
     long = plot.spacetime(solved["cradle"], axes())
 
-    assert strain.colour_bar.ax.get_ylabel() == "strain (10⁻⁶)"
-    assert tiny.colour_bar.ax.get_ylabel() == "velocity (nm/s)"
+    bar_of_strain = strain.colour_bar.ax
+    bar_of_slow = slow.colour_bar.ax
+    assert bar_of_strain.get_ylabel() == "strain (10⁻⁶)"
+    assert bar_of_slow.get_ylabel() == "velocity (nm/s)"
     assert long.ax.get_ylabel() == "time t (ms)"
 
 
@@ -305,17 +351,27 @@ def test_a_drifting_row_is_drawn_in_a_moving_frame(solved):
     still = plot.spacetime(solved["unequal"], axes(), coordinates="lab")
     drifting = plot.spacetime(solved["drifting"], axes(), coordinates="lab")
 
-    assert "frame moving at 100 m/s" in drifting.ax.get_xlabel()
+    label = drifting.ax.get_xlabel()
+    assert "frame moving at 100 m/s" in label
     assert "frame" not in still.ax.get_xlabel()
-    for a, b in zip(corners(still), corners(drifting), strict=True):
-        assert a == pytest.approx(b, abs=1e-6)
+    pairs = zip(corners(still), corners(drifting), strict=True)
+    for still_corners, drifting_corners in pairs:
+        assert still_corners == pytest.approx(drifting_corners, abs=1e-6)
+
+
+def face_of(wall):
+    """Positions of the face of a drawn wall, at the start and the end of the run.
+
+    They are x of the first two corners [corner, (x, t)].
+    """
+    return wall.get_xy()[:2, 0]
 
 
 def test_a_wall_is_hatched(solved):
     (wall,) = plot.spacetime(solved["wall"], axes()).walls
 
     assert wall.get_hatch()
-    assert wall.get_xy()[:2, 0] == pytest.approx([0.5, 0.5])
+    assert face_of(wall) == pytest.approx([0.5, 0.5])
 
 
 def test_a_wall_moves_as_it_does(solved):
@@ -325,29 +381,33 @@ def test_a_wall_moves_as_it_does(solved):
 
     (wall,) = picture.walls
     distance = 2.0 * ENDS["moving wall"]
-    assert wall.get_xy()[:2, 0] == pytest.approx([0.0, distance])
+    assert face_of(wall) == pytest.approx([0.0, distance])
 
 
 def test_dimensionless_diagram_has_the_textbook_numbers(solved):
+    """Lengths and times are those of the striker, stress is that of its velocity."""
     picture = plot.spacetime(solved["unequal"], axes(), "stress", dimensionless=True)
 
-    values = picture.regions.get_array()
-    assert values.min() == pytest.approx(-0.5, abs=1e-12)
-    assert values.max() == pytest.approx(0.5, abs=1e-12)
-    times = np.concatenate(corners(picture))[:, 1]
+    stress = picture.regions.get_array()
+    assert stress.min() == pytest.approx(-0.5, abs=1e-12)
+    assert stress.max() == pytest.approx(0.5, abs=1e-12)
+    _, times = np.concatenate(corners(picture)).T
     expected = [0, 1, 2, 2.5, 3.5, 4.5, 5, 6, 7]
-    start_of_contact, *_ = picture.pressing.get_segments()[0]
     assert np.unique(times.round(9)) == pytest.approx(expected)
+    (pressing,) = picture.pressing.get_segments()
+    start_of_contact, *_ = pressing  # (x, t)
     assert start_of_contact == pytest.approx([1, 0])
-    assert "c/ℓ₁" in picture.ax.get_ylabel()
-    assert "x/ℓ₁" in picture.ax.get_xlabel()
+    ax = picture.ax
+    assert "c/ℓ₁" in ax.get_ylabel()
+    assert "x/ℓ₁" in ax.get_xlabel()
 
 
 @pytest.mark.parametrize(("field", "largest"), [("velocity", 1.0), ("strain", 0.5)])
 def test_dimensionless_fields_have_the_textbook_numbers(solved, field, largest):
     picture = plot.spacetime(solved["unequal"], axes(), field, dimensionless=True)
 
-    assert picture.regions.get_array().max() == pytest.approx(largest)
+    values = picture.regions.get_array()
+    assert values.max() == pytest.approx(largest)
 
 
 @pytest.mark.parametrize(
@@ -365,7 +425,8 @@ def test_the_colour_bar_shows_the_colours_in_use_and_labels_are_its_values(
 ):
     picture = plot.spacetime(solved[name])
 
-    assert picture.colour_bar.ax.get_ylim() == pytest.approx(limits)
+    colour_bar = picture.colour_bar.ax
+    assert colour_bar.get_ylim() == pytest.approx(limits)
     assert set(texts_of(picture.labels)) == values
 
 
@@ -427,29 +488,34 @@ def test_the_axes_show_lengths_names_and_round_trips(solved):
     times = major_ticks(ax.yaxis)
     assert lengths == pytest.approx({"0": 0.0, "0.4": 0.4, "1.4": 1.4})
     assert names == pytest.approx({"ℓ₁\nrod 1": 0.2, "ℓ₂\nrod 2": 0.9})
-    assert times["2 ℓ₁/c"] == pytest.approx(0.8 / C * MICROSECONDS)
-    assert times["2 ℓ₂/c"] == pytest.approx(2.0 / C * MICROSECONDS)
+    first_round_trip = 2 * 0.4 / C * MICROSECONDS
+    second_round_trip = 2 * 1.0 / C * MICROSECONDS
+    assert times["2 ℓ₁/c"] == pytest.approx(first_round_trip)
+    assert times["2 ℓ₂/c"] == pytest.approx(second_round_trip)
     assert "100" in times
     # Numbers that would touch a name are left out.
-    assert min(np.diff(sorted(times.values()))) > 20
+    distances = np.diff(sorted(times.values()))
+    assert min(distances) > 20
 
 
 @pytest.mark.exhaustive
-def test_round_trips_stand_at_the_axis_of_times(solved):
-    across = plot.spacetime(solved["unequal"], axes(), across=True)
-    later = plot.spacetime(solved["closing gap"], axes())
+def test_round_trips_stand_at_the_axis_of_times_if_contact_begins_with_the_run(solved):
+    time_across = plot.spacetime(solved["unequal"], axes(), across=True)
+    later_contact = plot.spacetime(solved["closing gap"], axes())
 
-    assert "2 ℓ₁/c" in major_ticks(across.ax.xaxis)
-    for name in major_ticks(later.ax.yaxis):  # contact begins at a time of its own
+    assert "2 ℓ₁/c" in major_ticks(time_across.ax.xaxis)
+    for name in major_ticks(later_contact.ax.yaxis):
         assert "c" not in name
 
 
 def test_times_of_a_longer_row_are_not_named_by_lengths_that_add_up():
     """Three rods leave a wall after 2 (l1 + l2 + l3)/c, which is 4 l3/c by chance."""
     rods = [rod(0.2, 1.0), rod(0.3, 1.0), rod(0.5, 1.0)]
-    solution = ri.solve(ri.System([*rods, ri.Wall()]))
-    opening = solution.contacts[-1].episodes[0].opening
 
+    solution = ri.solve(ri.System([*rods, ri.Wall()]))
+
+    *_, contact_at_wall = solution.contacts
+    opening = contact_at_wall.episodes[0].opening
     assert opening == pytest.approx(4 * 0.5 / C)
     assert opening not in round_trips(solution)
 
@@ -462,6 +528,7 @@ def test_round_trips_of_two_materials_have_two_speeds():
 
     assert names
     for name in names:
+        # Such as "2 ℓ₁/c₁": the index of the length and of the speed are the same.
         assert re.fullmatch("[0-9]+ .([₁₂])/c\\1", name)
 
 
@@ -470,13 +537,15 @@ def test_fronts_are_named_by_what_they_add_to_the_stress(solved):
 
     picture = plot.spacetime(solved["wall"], field="stress")
 
-    places = {}
+    positions = {}
     for text in picture.ax.texts:
-        if text.get_text().isalpha():
-            places[text.get_text()] = text.get_position()
-    assert set(places) == {"compression", "tension"}  # first front and its reflection
-    assert places["compression"] == pytest.approx((0.25, 0.5 * transit))
-    assert places["tension"] == pytest.approx((0.25, 1.5 * transit))
+        word = text.get_text()
+        if word.isalpha():
+            positions[word] = text.get_position()  # (x, t)
+    assert set(positions) == {"compression", "tension"}
+    # The middle of the first front and of its reflection, in a rod of 0.5 m
+    assert positions["compression"] == pytest.approx((0.25, 0.5 * transit))
+    assert positions["tension"] == pytest.approx((0.25, 1.5 * transit))
 
 
 def test_centres_of_mass_are_dashed_and_move_as_they_do(solved):
@@ -496,46 +565,56 @@ def test_centres_of_mass_are_dashed_and_move_as_they_do(solved):
         velocity = magnification * solution.mean_velocity(body, middles)
         assert drawn_velocity == pytest.approx(velocity, abs=1.0)
     first, second = picture.centres
+    first_start, *_ = first.get_xdata()
+    second_start, *_ = second.get_xdata()
     # Of 0.3 m with a centre at 0.15 m, and 0.4 m of the threefold area at 0.5 m
     in_stepped_rod = (0.3 * 0.15 + 3 * 0.4 * 0.5) / (0.3 + 3 * 0.4)
-    assert first.get_xdata()[0] == pytest.approx(0.2)
-    assert second.get_xdata()[0] == pytest.approx(0.4 + in_stepped_rod)
+    assert first_start == pytest.approx(0.2)
+    assert second_start == pytest.approx(0.4 + in_stepped_rod)
 
 
-def test_rods_that_keep_their_places_have_no_centres_of_mass(solved):
-    assert plot.spacetime(solved["stepped"], axes()).centres == []
+def test_rods_that_are_drawn_without_displacement_have_no_centres_of_mass(solved):
+    picture = plot.spacetime(solved["stepped"], axes())
+
+    assert picture.centres == []
 
 
 # Snapshots
 
 
 def test_moments_are_events_and_times_between_them(solved):
-    # Times over the transit time of the first rod, of 1 m and of 0.4 m
-    identical = moments(solved["identical"]) * C
-    unequal = moments(solved["unequal"]) * C / 0.4
+    """Moments are the times at which snapshots are drawn."""
+    # Times in units of the transit time of the first rod, of 1 m and of 0.4 m
+    of_identical = moments(solved["identical"]) * C
+    of_unequal = moments(solved["unequal"]) * C / 0.4
 
-    assert identical == pytest.approx([0, 0.5, 1, 1.5, 2, 4])
-    assert unequal == pytest.approx([0, 0.5, 1, 2, 2.5, 4.5, 5, 7])
+    assert of_identical == pytest.approx([0, 0.5, 1, 1.5, 2, 4])
+    assert of_unequal == pytest.approx([0, 0.5, 1, 2, 2.5, 4.5, 5, 7])
 
 
 @every_row
 def test_moments_are_few_and_inside_the_solution(solved, name):
-    times = moments(solved[name])
+    """They are three to eight times, from 0 to the end of the run."""
+    solution = solved[name]
+
+    times = moments(solution)
 
     assert 3 <= times.size <= 8
     assert times[0] == 0
-    assert times[-1] == pytest.approx(solved[name].t_end)
+    assert times[-1] == pytest.approx(solution.t_end)
     assert np.all(np.diff(times) > 0)
 
 
 def test_pieces_bear_their_velocity_in_parts_of_the_closing_speed(solved):
     picture = plot.snapshots(solved["identical"], times=[0.0, 0.5 / C, 3 / C])
 
+    # Two rods at 0 s, four pieces as two fronts run, two rods at the end
     velocities = ["v", "0", "v", "v/2", "v/2", "0", "0", "v"]
-    times = ["0 µs\n0 ℓ₁/c", "99.06 µs\n0.5 ℓ₁/c", "594.3 µs\n3 ℓ₁/c"]
     assert texts_of(picture.labels) == velocities
-    assert "v = 1 m/s" in picture.ax.get_xlabel()
-    assert texts_of(picture.ax.get_yticklabels()) == times
+    ax = picture.ax
+    assert "v = 1 m/s" in ax.get_xlabel()
+    times = ["0 µs\n0 ℓ₁/c", "99.06 µs\n0.5 ℓ₁/c", "594.3 µs\n3 ℓ₁/c"]
+    assert texts_of(ax.get_yticklabels()) == times
     directions = [line.get_marker() for line in picture.fronts]
     assert directions == ["<", ">"]
 
@@ -554,8 +633,10 @@ def test_compressed_pieces_are_shorter_and_thicker(solved):
 def test_pieces_of_rods_that_do_not_close_bear_their_velocity(solved):
     picture = plot.snapshots(solved["receding"], times=[0.0])
 
-    assert texts_of(picture.labels) == [MINUS + "1", "0.5"]
-    assert "\nvelocities (m/s)\n" in picture.ax.get_xlabel()
+    velocities = [MINUS + "1", "0.5"]
+    assert texts_of(picture.labels) == velocities
+    label = picture.ax.get_xlabel()
+    assert "\nvelocities (m/s)\n" in label
 
 
 # Histories
@@ -570,25 +651,30 @@ def test_the_force_is_drawn_as_exact_steps(solved):
     drawn = plot.contact(solution)
 
     steps = drawn.forces[0].get_data()
-    edges = transit * np.array([0, 2, 4, 6, 8])
-    forces = first_force / 2.0 ** np.arange(4)
-    assert steps.edges[:5] == pytest.approx(edges)
-    assert steps.values[:4] * 1e3 == pytest.approx(forces)
-    assert steps.edges[-1] == pytest.approx(solution.t_end * MICROSECONDS)
-    assert drawn.force_ax.get_ylabel() == "contact force (kN)"
+    first_edges = transit * np.array([0, 2, 4, 6, 8])
+    assert steps.edges[:5] == pytest.approx(first_edges)
+    end = solution.t_end * MICROSECONDS
+    assert steps.edges[-1] == pytest.approx(end)
+    first_forces = first_force / 2.0 ** np.arange(4)
+    assert steps.values[:4] * 1e3 == pytest.approx(first_forces)  # N from kN
+    label = drawn.force_ax.get_ylabel()
+    assert label == "contact force (kN)"
 
 
 def test_the_gap_is_drawn_as_an_exact_line(solved):
+    """Its last point is the gap at the end of the run."""
     solution = solved["impedances"]
 
     drawn = plot.contact(solution)
 
-    times, gap = drawn.gaps[0].get_data()
-    last_gap = float(solution.contacts[0].gap(solution.t_end))
+    times, gap = drawn.gaps[0].get_data()  # us, um
+    end = solution.t_end
+    last_gap = float(solution.contacts[0].gap(end))
+    assert times[-1] * 1e-6 == pytest.approx(end)
     assert gap[-1] * 1e-6 == pytest.approx(last_gap)
-    assert times[-1] * 1e-6 == pytest.approx(solution.t_end)
-    assert drawn.gap_ax.get_ylabel() == "gap (µm)"
-    assert drawn.gap_ax.get_xlabel() == "time t (µs)"
+    ax = drawn.gap_ax
+    assert ax.get_ylabel() == "gap (µm)"
+    assert ax.get_xlabel() == "time t (µs)"
 
 
 @pytest.mark.parametrize(
@@ -604,9 +690,12 @@ def test_energy_bands_add_up_to_the_initial_energy(solved, name, label):
     drawn = plot.energy(solved[name], axes())
 
     motion, _, total = map(top_of, drawn.bands)  # {time: upper edge}
+    totals = np.array(list(total.values()))
+    expected = np.full(totals.shape, initial)
+    assert totals == pytest.approx(expected)
     last_time = max(motion)
-    assert list(total.values()) == pytest.approx([initial] * len(total))
-    assert motion[last_time] / initial == pytest.approx(0.4, rel=1e-6)
+    fraction = motion[last_time] / initial
+    assert fraction == pytest.approx(0.4, rel=1e-6)  # l1/l2
     assert drawn.work is None
     names = ["moving as a whole", "vibration, kinetic part", "strain energy"]
     assert texts_of(drawn.labels) == names
@@ -616,8 +705,8 @@ def test_energy_bands_add_up_to_the_initial_energy(solved, name, label):
 def test_gauge_record_is_in_microstrain_and_microseconds(solved):
     record = solved["unequal"].gauge(1, 0.5)
     arrival = 0.5 / C * MICROSECONDS
-    end = 1.3 / C * MICROSECONDS
-    strain = -0.5 / C * 1e6
+    end = 1.3 / C * MICROSECONDS  # later by the round trip of the striker of 0.4 m
+    strain = -0.5 / C * 1e6  # v/(2 c), in compression
 
     drawn = plot.gauge(record, axes())
 
@@ -627,8 +716,9 @@ def test_gauge_record_is_in_microstrain_and_microseconds(solved):
     assert steps.values[:3] == pytest.approx([0, strain, 0])
     assert steps.edges[1:3] == pytest.approx([arrival, end])
     assert rightward + leftward == pytest.approx(steps.values)
-    assert drawn.ax.get_ylabel() == "strain (microstrain)"
-    assert drawn.ax.get_xlabel() == "time t (µs)"
+    ax = drawn.ax
+    assert ax.get_ylabel() == "strain (microstrain)"
+    assert ax.get_xlabel() == "time t (µs)"
 
 
 def test_restitution_notes_the_largest_residual_and_leaves_out_collisions_without_e():
@@ -637,9 +727,12 @@ def test_restitution_notes_the_largest_residual_and_leaves_out_collisions_withou
 
     drawn = plot.restitution(ratios, restitutions, axes())
 
-    assert "1.0e-02\nin 3 collisions" in drawn.residual.get_text()
-    assert drawn.law.get_xdata() == pytest.approx(drawn.law.get_ydata())
-    assert drawn.points.get_ydata() == pytest.approx([0.2, 0.4, 0.81])
+    note = drawn.residual.get_text()
+    assert "1.0e-02\nin 3 collisions" in note  # 0.81 - 0.8
+    law_x, law_y = drawn.law.get_data()
+    assert law_x == pytest.approx(law_y)
+    points = drawn.points.get_ydata()
+    assert points == pytest.approx([0.2, 0.4, 0.81])
 
 
 def test_restitution_refuses_numbers_that_do_not_match_or_are_missing():
@@ -670,14 +763,18 @@ def solved_at_once(body):
 def test_a_solution_without_duration_has_a_snapshot():
     picture = plot.snapshots(solved_at_once(rod(0.4, 1.0)))
 
-    assert picture.times.tolist() == [0.0]
+    times = picture.times.tolist()
+    assert times == [0.0]
     assert texts_of(picture.labels) == ["v", "0"]
 
 
 def test_a_mass_without_duration_has_a_snapshot():
-    picture = plot.snapshots(solved_at_once(ri.RigidMass(0.3, velocity=1.0)))
+    mass = ri.RigidMass(0.3, velocity=1.0)
 
-    assert picture.times.tolist() == [0.0]
+    picture = plot.snapshots(solved_at_once(mass))
+
+    times = picture.times.tolist()
+    assert times == [0.0]
 
 
 @pytest.mark.parametrize("body", [rod(0.4, 1.0), ri.RigidMass(0.3, velocity=1.0)])
@@ -737,6 +834,7 @@ def test_snapshots_of_any_row_render(solved, name):
     "draw", few_of([plot.spacetime, plot.overview], [plot.spacetime])
 )
 def test_slivers_between_random_fronts_are_drawn_without_complaint(draw):
+    """Fronts of a random row lie very near to each other; drawing raises nothing."""
     system = random_system(23)
     solution = ri.solve(system, until=horizon(system, 12.0))
 
@@ -762,7 +860,8 @@ def boxes_of_words(figure):
     boxes = []
     for word in words:
         if word.get_visible() and word.get_text():
-            boxes.append(word.get_window_extent())
+            box = word.get_window_extent()
+            boxes.append(box)
     return boxes
 
 
@@ -776,9 +875,10 @@ def test_words_of_a_page_of_any_width_stay_apart_and_inside(solved, width):
 
     boxes = boxes_of_words(figure)
     assert len(boxes) > 30
+    page = figure.bbox.padded(2)  # pixels
     for i, box in enumerate(boxes):
-        assert -2 < box.x0 < box.x1 < figure.bbox.width + 2
-        assert -2 < box.y0 < box.y1 < figure.bbox.height + 2
+        assert page.x0 < box.x0 < box.x1 < page.x1
+        assert page.y0 < box.y0 < box.y1 < page.y1
         inner = box.shrunk(0.9, 0.9)
         for earlier in boxes[:i]:
             assert not inner.overlaps(earlier)
@@ -792,18 +892,21 @@ def test_words_of_a_page_of_any_width_stay_apart_and_inside(solved, width):
 def test_overview_names_the_result(solved):
     figure = plot.overview(solved["unequal"])
 
-    assert figure.get_supxlabel() == ""
-    assert figure.get_suptitle() == (
+    title = (
         "2 rods, closing speed 1 m/s, restitution e = 0.4, impulse 314 mN s, "
         "force duration 158 µs"
     )
+    assert figure.get_suptitle() == title
+    assert figure.get_supxlabel() == ""  # the note on a run that is not final
 
 
 @pytest.mark.exhaustive
 def test_overview_says_that_a_run_is_not_final(solved):
     solution = solved["bouncing"]
 
-    assert solution.status in plot.overview(solution).get_supxlabel()
+    note = plot.overview(solution).get_supxlabel()
+
+    assert solution.status in note
 
 
 @pytest.mark.exhaustive
@@ -829,17 +932,19 @@ def test_overview_of_many_contacts_draws_each_on_a_line_of_its_own(solved):
 
     figure = plot.overview(solution)
 
-    assert figure.get_suptitle().endswith("velocities after 0, 0, 0, 0, 1 m/s")
+    title = figure.get_suptitle()
+    assert title.endswith("velocities after 0, 0, 0, 0, 1 m/s")
     ax = axes_titled(figure, "contact force, largest 1.98 kN")
     names = ["contact 1-2", "contact 2-3", "contact 3-4", "contact 4-5"]
     assert texts_of(ax.get_yticklabels()) == names
-    assert len(ax.patches) == len(solution.contacts)
+    contacts = solution.contacts
+    assert len(ax.patches) == len(contacts)
     for i, steps in enumerate(ax.patches):
-        (episode,) = solution.contacts[i].episodes
+        (episode,) = contacts[i].episodes
         values, edges, baseline = steps.get_data()
         is_pressing = np.flatnonzero(values > i)
         start = edges[is_pressing[0]]  # ms
-        end = edges[is_pressing[-1] + 1]
+        end = edges[is_pressing[-1] + 1]  # of the last step that presses
         assert baseline == i
         assert values.max() == pytest.approx(i + 0.85)  # the largest force, to scale
         assert start == pytest.approx(1e3 * episode.start)
@@ -850,13 +955,15 @@ def test_gauges_are_marked_at_their_places(solved):
     solution = solved["unequal"]
     gauges = {"struck": solution.gauge(0, 0.1), "far": solution.gauge(1, 0.25)}
 
-    lines = plot.spacetime(solution, axes(), gauges=gauges).gauges
+    struck, far = plot.spacetime(solution, axes(), gauges=gauges).gauges
 
-    places = [set(line.get_xdata().round(9)) for line in lines]
-    assert places == [{0.1}, {0.65}]
+    assert struck.get_xdata() == pytest.approx(0.1, abs=5e-10)
+    # The coordinate 0.25 m in the second rod, after the first one of 0.4 m
+    assert far.get_xdata() == pytest.approx(0.65, abs=5e-10)
 
 
 def test_gauges_move_in_snapshots(solved):
+    """The line of a gauge goes from its first to its last position."""
     solution = solved["unequal"]
     end = solution.t_end
     gauges = {"struck": solution.gauge(0, 0.1), "far": solution.gauge(1, 0.25)}
@@ -865,10 +972,13 @@ def test_gauges_move_in_snapshots(solved):
         solution, times=[0.0, end], magnification=1.0, gauges=gauges
     )
 
-    assert {"struck", "far"} <= set(texts_of(picture.ax.texts))
-    (line,) = [line for line in picture.ax.lines if line.get_label() == "far"]
-    last = float(solution.position(1, 0.25, end))
-    assert line.get_xdata() == pytest.approx([0.65, last])
+    ax = picture.ax
+    names = texts_of(ax.texts)
+    assert "struck" in names
+    assert "far" in names
+    (line,) = [line for line in ax.lines if line.get_label() == "far"]
+    last_position = float(solution.position(1, 0.25, end))
+    assert line.get_xdata() == pytest.approx([0.65, last_position])
 
 
 @pytest.mark.exhaustive
@@ -903,11 +1013,13 @@ def test_the_suffix_names_the_format_and_files_are_the_same_every_time(
     files = []
     for name in ("a", "b"):
         path = tmp_path / f"{name}.{suffix}"
-        plot.save(plot.energy(solved["unequal"]).ax.figure, path)
+        figure = plot.energy(solved["unequal"]).ax.figure
+        plot.save(figure, path)
         files.append(path.read_bytes())
 
-    assert files[0].startswith(magic)
-    assert files[0] == files[1]
+    first, second = files
+    assert first.startswith(magic)
+    assert first == second
 
 
 @pytest.fixture(scope="module")
@@ -918,6 +1030,7 @@ def small_figure():
 
 @pytest.mark.parametrize("name", ["a.gif", "a"])
 def test_save_names_the_formats_of_a_figure(small_figure, tmp_path, name):
+    """A wrong suffix or none is refused, with those that can be saved."""
     with pytest.raises(ValueError, match=r"\.png, \.svg, \.pdf"):
         plot.save(small_figure, tmp_path / name)
 
@@ -935,7 +1048,8 @@ def test_save_replaces_a_file_only_by_force(small_figure, tmp_path):
 
 
 def test_colours_grow_lighter_all_the_way():
-    colours = RISING(np.linspace(0, 1, 101))[:, :3]
+    values = np.linspace(0, 1, 101)
+    colours = RISING(values)[:, :3]  # red, green, blue; without opacity
 
     lightness = colours**2.2 @ [0.2126, 0.7152, 0.0722]
 
@@ -945,18 +1059,21 @@ def test_colours_grow_lighter_all_the_way():
 def test_a_given_axes_is_used_and_settings_are_left_alone(solved):
     before = settings()
     of_user = {"text.color": "red", "font.size": 30.0, "figure.facecolor": "black"}
+    solution = solved["unequal"]
     family = ri.System([rod([[0.4], [0.5]], 1.0), rod([0.6, 0.7])])
 
     with mpl.rc_context(of_user):
         ax = axes()
-        picture = plot.spacetime(solved["unequal"], ax)
-        fresh = plot.spacetime(solved["unequal"]).ax.figure
+        picture = plot.spacetime(solution, ax)
+        own_figure = plot.spacetime(solution).ax.figure
         plot.sweep(ri.sweep(family))
 
     assert picture.ax is ax
     assert picture.regions.axes is ax
-    assert to_rgb(fresh.get_facecolor()) == (1.0, 1.0, 1.0)
-    assert fresh.axes[0].xaxis.label.get_fontsize() < 12
+    paper = to_rgb(own_figure.get_facecolor())
+    assert paper == (1.0, 1.0, 1.0)
+    label = own_figure.axes[0].xaxis.label
+    assert label.get_fontsize() < 12
     assert settings() == before
 
 
@@ -986,6 +1103,9 @@ DRAWINGS = [
 @pytest.mark.exhaustive
 @pytest.mark.parametrize("drawing", few_of(DRAWINGS, ["ri.plot.contact(solution)"]))
 def test_drawing_needs_no_pyplot_and_the_package_no_matplotlib(drawing):
+    """In a new process, solving does not import matplotlib, nor does drawing import
+    pyplot.
+    """
     code = f"""
 import sys
 import rodimpact as ri
@@ -1002,6 +1122,7 @@ assert "matplotlib.pyplot" not in sys.modules
 
 @pytest.fixture(scope="module")
 def solved_masses():
+    """The solution of two rigid masses that collide by a Hertzian contact."""
     masses = [ri.RigidMass(1.0, velocity=1.0), ri.RigidMass(2.0)]
     row = ri.System(masses, gaps=[1e-3], contacts=[ri.Hertz(1e8)])
     return ri.solve(row)
@@ -1013,9 +1134,11 @@ def test_rows_of_masses_have_contacts_and_energy_to_draw(solved_masses):
     energy = plot.energy(solved_masses)
     overview = plot.overview(solved_masses)
 
-    energies = list(top_of(energy.bands[-1]).values())
     assert len(contact.forces) == len(contact.gaps) == 1
-    assert energies == pytest.approx([max(energies)] * len(energies), rel=1e-6)
+    total = energy.bands[-1]  # the highest band
+    energies = np.array(list(top_of(total).values()))
+    constant = np.full(energies.shape, energies.max())
+    assert energies == pytest.approx(constant, rel=1e-6)
     assert len(overview.axes) == 3
 
 
@@ -1041,14 +1164,17 @@ def test_cells_that_average_a_short_blow_say_so():
     row = ri.System([ri.Wall(), falling], gaps=[0.1], gravity=-9.81)
     solution = ri.solve(row, until=0.4)
 
-    whole = plot.spacetime(solution, axes(), field="stress")
+    stress = plot.spacetime(solution, axes(), field="stress")
     displacement = plot.spacetime(solution, axes(), field="displacement")
 
-    assert "mean over 1 ms" in whole.colour_bar.ax.get_ylabel()
-    assert "mean" not in displacement.colour_bar.ax.get_ylabel()
+    stress_label = stress.colour_bar.ax.get_ylabel()
+    displacement_label = displacement.colour_bar.ax.get_ylabel()
+    assert "mean over 1 ms" in stress_label
+    assert "mean" not in displacement_label
 
 
 def test_an_impact_is_a_mean_over_a_thousandth_of_the_run():
+    """The label of the force of a run of 1 s says that it is a mean over 1 ms."""
     ball = ri.RigidMass(1.0, velocity=1.0)
     row = ri.System([ball, ri.RigidMass(2.0)], contacts=[ri.Rigid(restitution=0.5)])
     solution = ri.solve(row, until=1.0)

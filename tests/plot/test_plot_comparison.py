@@ -19,34 +19,39 @@ PLATEAU = 2.0  # V
 
 
 @pytest.fixture(scope="module")
-def model():
+def predicted_signal():
+    """A predicted signal: the pulse, half as high and 4 us later."""
     return (0.5 * PULSE).shifted(4e-6)
 
 
 @pytest.fixture(scope="module")
-def comparison(model):
-    return plot.comparison(PULSE, model, shift=0.0, scale=1.0)
+def comparison(predicted_signal):
+    """The figure of the pulse and the predicted signal, neither shifted nor scaled."""
+    return plot.comparison(PULSE, predicted_signal, shift=0.0, scale=1.0)
 
 
-def test_measured_and_predicted_signal_are_drawn(comparison, model):
-    predicted = np.interp(T, model.times, model.values)
+def test_measured_and_predicted_signal_are_drawn(comparison, predicted_signal):
+    predicted_values = np.interp(T, predicted_signal.times, predicted_signal.values)
 
-    np.testing.assert_allclose(comparison.measured.get_xdata(), T * 1e6)
-    np.testing.assert_allclose(comparison.measured.get_ydata(), PULSE.values)
-    np.testing.assert_allclose(comparison.predicted.get_ydata(), predicted)
-    assert comparison.predicted.get_label() == "predicted"
+    measured_line = comparison.measured
+    predicted_line = comparison.predicted
+    np.testing.assert_allclose(measured_line.get_xdata(), T * 1e6)
+    np.testing.assert_allclose(measured_line.get_ydata(), PULSE.values)
+    np.testing.assert_allclose(predicted_line.get_ydata(), predicted_values)
+    assert predicted_line.get_label() == "predicted"
     assert comparison.ax.get_ylabel() == "bar (V)"
 
 
-def test_the_residual_is_drawn_in_parts_of_the_plateau(comparison, model):
-    predicted = np.interp(T, model.times, model.values)
+def test_the_residual_is_drawn_in_parts_of_the_plateau(comparison, predicted_signal):
+    predicted = np.interp(T, predicted_signal.times, predicted_signal.values)
     residual = (PULSE.values - predicted) / PLATEAU * 100
+    misfit = PULSE.misfit(predicted_signal, shift=0.0, scale=1.0)
 
+    drawn_residual = comparison.residual.get_ydata()
+    np.testing.assert_allclose(drawn_residual, residual)
+    assert comparison.misfit == misfit
     (text,) = texts_of(comparison.residual_ax.texts)
-
-    np.testing.assert_allclose(comparison.residual.get_ydata(), residual)
-    assert comparison.misfit == PULSE.misfit(model, shift=0.0, scale=1.0)
-    assert text == f"misfit {100 * comparison.misfit.rms:.3g} % of the plateau"
+    assert text == f"misfit {100 * misfit.rms:.3g} % of the plateau"
 
 
 def predictions():
@@ -70,14 +75,18 @@ def test_shift_and_gain_are_named(prediction, label):
     drawn_label = picture.predicted.get_label()
     plain_label = drawn_label.replace(TIMES, "x").replace("\N{MINUS SIGN}", "-")
     assert plain_label == label
-    assert picture.residual.get_ydata() == pytest.approx(0.0, abs=0.1)
+    residual = picture.residual.get_ydata()
+    assert residual == pytest.approx(0.0, abs=0.1)
 
 
 @pytest.mark.parametrize(
     ("ratio", "name"), [(0.05, "its band"), (1e-3, "its band, narrower than the line")]
 )
 def test_a_band_that_the_line_hides_says_so(ratio, name):
-    picture = plot.comparison(PULSE, PULSE, shift=0.0, scale=1.0, band=ratio * PULSE)
+    """`ratio` is the width of the band over the pulse, and `name` its label."""
+    band = ratio * PULSE
+
+    picture = plot.comparison(PULSE, PULSE, shift=0.0, scale=1.0, band=band)
 
     assert picture.band.get_label() == name
 
@@ -88,7 +97,8 @@ def test_the_band_is_scaled_with_the_prediction():
     picture = plot.comparison(PULSE, -0.5 * PULSE, shift=0.0, band=band)
 
     # The prediction is scaled by -2, so that the band of 0.1 V is one of 0.2 V.
-    top = picture.band.get_paths()[0].vertices[:, 1].max()
+    (outline,) = picture.band.get_paths()
+    top = outline.vertices[:, 1].max()
     assert top == pytest.approx(PLATEAU + 0.2)
 
 
@@ -117,16 +127,18 @@ def test_a_pair_of_axes_is_used_and_a_single_one_refused():
 
 
 def test_long_records_are_thinned():
+    """Of more than 100,000 samples fewer than 3,000 are drawn."""
     long = PULSE.resampled(1e-9)
     assert len(long) > 100_000
 
     picture = plot.comparison(long, long, shift=0.0)
 
-    assert picture.measured.get_xdata().size < 3000
+    drawn_times = picture.measured.get_xdata()
+    assert drawn_times.size < 3000
 
 
 def solved_rods(**contacts):
-    """The run of a short rod that strikes a longer one at 10 m/s."""
+    """The solution of a rod of 0.3 m that strikes one of 1 m at 10 m/s, until 400 us."""
     steel = ri.materials.steel
     first = ri.Rod(0.3, area=1e-4, material=steel, velocity=10.0)
     second = ri.Rod(1.0, area=1e-4, material=steel)
@@ -149,14 +161,15 @@ def stations(solution, across):
 def test_stations_are_named(across):
     picture = stations(BY_FRONTS, across)
 
-    names = {"incident", "struck end"}
-    assert {line.get_label() for line in picture.gauges} == names
-    assert names <= set(texts_of(picture.ax.texts))
+    expected = {"incident", "struck end"}
+    labels = {line.get_label() for line in picture.gauges}
+    assert labels == expected
+    assert expected <= set(texts_of(picture.ax.texts))
 
 
 def assert_moves_with_its_rod(x_drawn, time, solution, start):
-    """A station moves from its start by ten times the displacement of its place, for
-    400 us.
+    """The station 0.5 m behind the struck end is drawn at `start` plus ten times its
+    displacement, from 0 to 400 us.
     """
     times = np.clip(time / 1e6, 0, 4e-4)  # s
     expected = start + 10.0 * solution.displacement(1, 0.5, times)
@@ -166,33 +179,39 @@ def assert_moves_with_its_rod(x_drawn, time, solution, start):
 
 
 def test_stations_move_with_their_rod():
-    x_drawn, time = stations(BY_FRONTS, across=False).gauges[0].get_data()
+    incident, _ = stations(BY_FRONTS, across=False).gauges
 
+    x_drawn, time = incident.get_data()
     assert_moves_with_its_rod(x_drawn, time, BY_FRONTS, start=0.8)
 
 
 def test_stations_move_with_their_rod_where_time_runs_across():
-    time, x_drawn = stations(BY_FRONTS, across=True).gauges[0].get_data()
+    incident, _ = stations(BY_FRONTS, across=True).gauges
 
+    time, x_drawn = incident.get_data()
     assert_moves_with_its_rod(x_drawn, time, BY_FRONTS, start=0.8)
 
 
 @pytest.mark.exhaustive
 def test_stations_beyond_a_spring_begin_behind_it():
-    x_drawn, time = stations(BY_CHARACTERISTICS, across=False).gauges[0].get_data()
+    incident, _ = stations(BY_CHARACTERISTICS, across=False).gauges
 
-    spring = x_drawn[0] - 0.8
-    assert 0 < spring < 0.1
-    assert_moves_with_its_rod(x_drawn, time, BY_CHARACTERISTICS, start=x_drawn[0])
+    x_drawn, time = incident.get_data()
+    start, *_ = x_drawn
+    drawn_width_of_spring = start - 0.8
+    assert 0 < drawn_width_of_spring < 0.1
+    assert_moves_with_its_rod(x_drawn, time, BY_CHARACTERISTICS, start)
 
 
 def reduced_record():
     """A record whose transmitted pulse is 0.8 of the incident one, and its
     reduction.
     """
-    samples = np.arange(400)
-    ramp = np.clip(np.minimum(samples - 100, 250 - samples) / 10, 0, 1)
-    incident = ri.Signal(-1e-3 * ramp, dt=1e-6)
+    t = np.arange(400)  # us
+    rise = (t - 100) / 10
+    fall = (250 - t) / 10
+    trapezoid = np.clip(np.minimum(rise, fall), 0, 1)
+    incident = ri.Signal(-1e-3 * trapezoid, dt=1e-6)
     transmitted = (0.8 * incident).shifted(2e-4).extended(before=2e-4)
     reflected = (-0.2 * incident).shifted(2e-4).extended(before=2e-4)
     times = np.arange(0, 5.9e-4, 1e-6)
@@ -212,19 +231,22 @@ def test_a_reduction_shows_stress_and_strain_rate_over_strain():
 
     picture = plot.reduction(reduction)
 
-    stress = reduction.stress[reduction.loading] / 1e6
-    strain = 100 * reduction.strain[reduction.loading]
-    np.testing.assert_allclose(picture.stress.get_xdata(), strain)
-    np.testing.assert_allclose(picture.stress.get_ydata(), stress)
+    stress = reduction.stress[reduction.loading] / 1e6  # MPa
+    strain = 100 * reduction.strain[reduction.loading]  # %
+    drawn_strain, drawn_stress = picture.stress.get_data()
+    np.testing.assert_allclose(drawn_strain, strain)
+    np.testing.assert_allclose(drawn_stress, stress)
     np.testing.assert_allclose(picture.rate.get_xdata(), strain)
     # 0.8 of 1e-3 of strain, in a bar of 200 GPa as thick as the specimen
-    assert picture.stress.get_ydata().max() == pytest.approx(160)
+    assert drawn_stress.max() == pytest.approx(160)
     assert picture.ax.get_ylabel() == "nominal stress (MPa)"
-    assert picture.rate_ax.get_xlabel() == "nominal strain (%), positive in compression"
+    strain_label = picture.rate_ax.get_xlabel()
+    assert strain_label == "nominal strain (%), positive in compression"
 
 
 @pytest.mark.exhaustive
 def test_a_reduction_shows_a_negative_stress_of_the_input_face():
+    """The axis of stress goes below 0 only where the stress of the input face does."""
     _, reduction = reduced_record()
     force = np.abs(reduction.output_force)  # N
     pressed = dataclasses.replace(reduction, input_force=force)

@@ -13,6 +13,7 @@ DURATION = 100e-6  # s
 
 @pytest.fixture(scope="module")
 def striker():
+    """The design of a striker of three segments for a pulse that rises to 10 kN."""
     times = [0.0, DURATION / 2, DURATION]
     wanted = ri.Signal([0.0, 1e4, 1e4], times, unit="N")
     return ri.design.striker(wanted, BAR, velocity=10.0, duration=DURATION, segments=3)
@@ -20,8 +21,9 @@ def striker():
 
 def assert_is_drawn(line, signal):
     """A line shows a signal in microseconds and kilonewtons."""
-    assert line.get_xdata() == pytest.approx(1e6 * signal.times)
-    assert line.get_ydata() == pytest.approx(1e-3 * signal.values)
+    x, y = line.get_data()
+    assert x == pytest.approx(1e6 * signal.times)
+    assert y == pytest.approx(1e-3 * signal.values)
 
 
 def test_wanted_and_reached_pulse_are_drawn_over_time(striker):
@@ -34,11 +36,12 @@ def test_wanted_and_reached_pulse_are_drawn_over_time(striker):
 
 def test_the_outline_of_the_striker_is_drawn_to_scale(striker):
     rod = striker.system.bodies[0]
-    areas = [segment.area for segment in rod.segments]
+    areas = np.array([segment.area for segment in rod.segments])
 
-    radii, edges, _ = plot.design(striker).outline.get_data()
+    radii, edges, _ = plot.design(striker).outline.get_data()  # mm, m
 
-    assert np.pi * radii**2 == pytest.approx(1e6 * np.array(areas))
+    drawn_areas = np.pi * radii**2
+    assert drawn_areas == pytest.approx(1e6 * areas)
     assert edges[-1] == pytest.approx(rod.length)
 
 

@@ -24,13 +24,14 @@ PNG = b"\x89PNG\r\n\x1a\n"
 
 
 def ten_rods():
-    """A rod that strikes a row of nine."""
-    lengths = [0.2 + 0.01 * i for i in range(9)]
-    return ri.System([rod(0.2, 1.0), *map(rod, lengths)])
+    """A rod that strikes a row of nine rods of different lengths; not solved."""
+    striker = rod(0.2, 1.0)
+    struck = [rod(0.2 + 0.01 * i) for i in range(9)]
+    return ri.System([striker, *struck])
 
 
 def stepped_pair():
-    """A rod that strikes one of two segments."""
+    """A rod that strikes one of two segments; not solved."""
     thin = ri.Segment(0.3, 1e-4, STEEL)
     thick = ri.Segment(0.4, 3e-4, ri.materials.aluminium)
     struck = ri.Rod(segments=[thin, thick])
@@ -38,7 +39,7 @@ def stepped_pair():
 
 
 def driven_pile():
-    """A hammer that strikes a long pile of concrete."""
+    """A hammer that strikes an infinite pile of concrete; not solved."""
     hammer = ri.RigidMass(500.0, velocity=3.0)
     pile = ri.Rod(18.0, area=0.06, material=CONCRETE)
     ends = [ri.Free(), ri.Absorbing()]
@@ -57,14 +58,17 @@ ENDS = {"pile": 0.03}  # s
 
 
 def draw_lab(solution):
+    """The space-time diagram with displacements."""
     return plot.spacetime(solution, coordinates="lab")
 
 
 def draw_across(solution):
+    """The space-time diagram with time from left to right."""
     return plot.spacetime(solution, across=True)
 
 
 def draw_across_lab(solution):
+    """The space-time diagram of stress with displacements, and time from left to right."""
     return plot.spacetime(solution, across=True, coordinates="lab", field="stress")
 
 
@@ -106,25 +110,34 @@ def test_labels_do_not_collide(solved, case):
 
 
 @pytest.mark.parametrize(
-    ("places", "expected"),
+    ("middles", "expected"),
     [
         ([0.0, 10.0], [0.0, 10.0]),
         ([0.0, 1.0], [-1.5, 2.5]),
     ],
 )
-def test_two_labels_that_overlap_are_spread_about_their_mean(places, expected):
-    assert spread_apart(places, [4.0, 4.0]) == pytest.approx(expected)
+def test_two_labels_that_overlap_are_spread_about_their_mean(middles, expected):
+    widths = [4.0, 4.0]
+
+    moved = spread_apart(middles, widths)
+
+    assert moved == pytest.approx(expected)
 
 
-def test_labels_that_overlap_are_spread_about_their_mean():
-    moved = spread_apart([0.0, 1.0, 4.0, 30.0], [4.0, 4.0, 4.0, 4.0])
+def test_labels_that_overlap_are_spread_about_their_mean_and_others_stay():
+    widths = [4.0, 4.0, 4.0, 4.0]
 
-    assert np.diff(moved).min() == pytest.approx(4.0)
-    assert np.mean(moved[:3]) == pytest.approx(5 / 3)
-    assert moved[3] == 30.0
+    moved = spread_apart([0.0, 1.0, 4.0, 30.0], widths)
+
+    *overlapping, alone = moved
+    least_distance = np.diff(moved).min()
+    assert least_distance == pytest.approx(4.0)
+    assert np.mean(overlapping) == pytest.approx(5 / 3)  # of 0, 1 and 4
+    assert alone == 30.0
 
 
-def axis_of_places(ax, across):
+def axis_of_positions(ax, across):
+    """The axis of x of a space-time diagram: the y axis if time runs `across`."""
     if across:
         return ax.yaxis
     return ax.xaxis
@@ -137,11 +150,13 @@ def axis_of_places(ax, across):
     [("ten", 10), pytest.param("short", 2, marks=pytest.mark.exhaustive)],
 )
 def test_ten_rods_are_all_named_and_short_rods_too(solved, row, count, across):
+    """In a space-time diagram; if time runs `across`, names stand beside the y axis."""
     ax = plot.spacetime(solved[row], across=across).ax
 
     names = []
-    for label in texts_of(axis_of_places(ax, across).get_minorticklabels()):
-        name = label.split("\n")[-1]
+    axis = axis_of_positions(ax, across)
+    for label in texts_of(axis.get_minorticklabels()):
+        *_, name = label.split("\n")  # it is below the symbol of the length, if any
         if name:
             names.append(name)
     assert len(names) == count
@@ -151,27 +166,32 @@ def test_ten_rods_are_all_named_and_short_rods_too(solved, row, count, across):
 def test_a_rod_whose_middle_is_at_a_tick_is_named(solved, across):
     ax = plot.spacetime(solved["unequal"], coordinates="lab", across=across).ax
 
-    axis = axis_of_places(ax, across)
-    assert axis.get_minorticklocs() == pytest.approx([0.2, 0.9])
-    assert 0.2 in axis.get_majorticklocs().round(9)
+    axis = axis_of_positions(ax, across)
+    middles_of_rods = [0.2, 0.9]
+    assert axis.get_minorticklocs() == pytest.approx(middles_of_rods)
+    ticks = axis.get_majorticklocs().round(9)
+    assert 0.2 in ticks
 
 
 @pytest.mark.exhaustive
 def test_a_short_rod_is_named_in_films(solved):
     film = plot.animation(solved["short"], frames=2)
 
-    names = texts_of(film.figure.axes[0].get_xminorticklabels())
-    assert names == ["\nrod 1", "\nrod 2"]
+    diagram = film.figure.axes[0]
+    names = texts_of(diagram.get_xminorticklabels())
+    assert names == ["\nrod 1", "\nrod 2"]  # in the line below the numbers
 
 
 def test_a_short_rod_is_named_in_snapshots(solved):
     picture = plot.snapshots(solved["short"])
 
-    assert {"rod 1", "rod 2"} <= set(texts_of(picture.ax.texts))
+    names = texts_of(picture.ax.texts)
+    assert "rod 1" in names
+    assert "rod 2" in names
 
 
 def words_along_fronts(picture):
-    """Texts that name what a front adds to the stress."""
+    """Texts (artists) that name what a front adds to the stress."""
     words = []
     for text in picture.ax.texts:
         if text.get_text() in ("compression", "tension"):
@@ -180,11 +200,14 @@ def words_along_fronts(picture):
 
 
 def half_width(word, dpi):
-    """Half of the width of a turned Text, in pixels, at most about."""
+    """An upper bound of half of the width of a turned Text, in pixels."""
     angle = np.radians(word.get_rotation())
-    height = word.get_fontsize()
-    length = 0.55 * height * len(word.get_text())  # the mean width of a character
-    points = length / 2 * abs(np.cos(angle)) + height * abs(np.sin(angle))
+    height = word.get_fontsize()  # points
+    mean_width_of_letter = 0.55 * height
+    length = mean_width_of_letter * len(word.get_text())
+    half_of_length = length / 2 * abs(np.cos(angle))
+    whole_height = height * abs(np.sin(angle))  # half of it, and a margin
+    points = half_of_length + whole_height
     return points * dpi / POINTS_PER_INCH
 
 
@@ -197,17 +220,20 @@ def test_words_along_fronts_keep_clear_of_the_contact(solved, width):
 
     to_pixels = picture.ax.transData.transform
     dpi = picture.ax.figure.dpi
-    start, *_ = picture.pressing.get_segments()[0]
-    contact, _ = to_pixels((start[0], 0.0))
-    half_line = 1.5 * dpi / POINTS_PER_INCH
+    first_line, *_ = picture.pressing.get_segments()  # [point, (x, t)]
+    x_of_contact = first_line[0, 0]
+    contact, _ = to_pixels((x_of_contact, 0.0))
+    half_line = 1.5 * dpi / POINTS_PER_INCH  # of a width of 3 points
     words = words_along_fronts(picture)
     assert words
     for word in words:
         middle, _ = to_pixels(word.get_position())
-        assert abs(middle - contact) > half_width(word, dpi) + half_line
+        distance = abs(middle - contact)
+        assert distance > half_width(word, dpi) + half_line
 
 
 def test_every_narrow_piece_has_its_own_label(solved):
+    """The second snapshot has four pieces, two of which are narrow."""
     with plot.look(width=85):
         picture = plot.snapshots(solved["unequal"])
 
@@ -221,8 +247,11 @@ def test_every_narrow_piece_has_its_own_label(solved):
 
 
 def test_snapshots_show_the_first_reflection_at_the_far_end(solved):
-    times = moments(solved["unequal"], 7) * C / 0.4
+    transit = 0.4 / C  # of the striker
 
+    times = moments(solved["unequal"], 7) / transit
+
+    # The wave is reflected at the far end of the struck rod, of 1 m, at 2.5 transits.
     assert times == pytest.approx([0, 0.5, 1, 2, 2.5, 5, 7])
 
 
@@ -232,6 +261,7 @@ def test_snapshots_show_the_first_reflection_at_the_far_end(solved):
 def test_captions_of_a_contact_hide_the_lines_behind_them_and_stay_inside(
     solved, row, width
 ):
+    """Captions name events in the figure of a contact."""
     with plot.look(width=width):
         picture = plot.contact(solved[row])
     render(picture)
@@ -239,65 +269,79 @@ def test_captions_of_a_contact_hide_the_lines_behind_them_and_stay_inside(
     paper = to_rgba(plot.style.colours().paper)
     assert picture.marks
     for mark in picture.marks:
-        highest_line = max(line.get_zorder() for line in mark.axes.get_lines())
-        box = mark.get_window_extent()
-        assert mark.get_bbox_patch().get_facecolor() == paper
+        ax = mark.axes
+        background = mark.get_bbox_patch()
+        assert background.get_facecolor() == paper
+        highest_line = max(line.get_zorder() for line in ax.get_lines())
         assert mark.get_zorder() > highest_line
+        box = mark.get_window_extent()
         assert box.x0 > 0
-        assert box.x1 < mark.axes.bbox.x1 + 2
+        assert box.x1 < ax.bbox.x1 + 2  # pixels
 
 
 def test_the_last_mark_of_the_law_is_whole():
+    """The frame does not cut the circle at (1, 1): its right half has ink."""
     picture = plot.restitution([0.5, 1.0], [0.5, 1.0])
     canvas = FigureCanvasAgg(picture.ax.figure)
 
     canvas.draw()
 
     x, y = picture.ax.transData.transform((1.0, 1.0)).round().astype(int)
-    from_below = np.asarray(canvas.buffer_rgba())[::-1]
-    right_half = from_below[y, x + 2 : x + 6, :3]
+    pixels = np.asarray(canvas.buffer_rgba())[::-1]  # [row from below, column, colour]
+    right_half = pixels[y, x + 2 : x + 6, :3]
     assert right_half.min() < 120  # ink of the circle
 
 
 @pytest.mark.exhaustive
 @pytest.mark.parametrize("width", few_of([85, None], [85]))
 def test_labels_of_contours_keep_clear_of_each_other_of_lines_and_of_the_frame(width):
-    lengths = np.linspace(0.1, 2, 40)[:, None]
+    lengths = np.linspace(0.1, 2, 40)[:, np.newaxis]
     areas = np.linspace(1e-5, 3e-4, 30)
-    family = ri.System([rod(lengths, 1.0, area=areas), rod()])
+    striker = rod(lengths, 1.0, area=areas)
+    result = ri.sweep(ri.System([striker, rod()]))
+
     with plot.look(width=width):
-        picture = plot.sweep(ri.sweep(family), quantity="velocity_after.0")
+        picture = plot.sweep(result, quantity="velocity_after.0")
 
     assert collisions(picture) == []
     assert len(picture.labels) >= 5
     ax = picture.ax
+    box = ax.bbox
     to_pixels = ax.transData.transform
-    upright_line = picture.theory[0].allsegs[0][0]  # equal transit times
-    line, _ = to_pixels(upright_line)[0]
+    equal_transits, *_ = picture.theory
+    upright_line = equal_transits.allsegs[0][0]  # [point, (x, y)]
+    x_of_line, _ = to_pixels(upright_line)[0]
     for label in picture.labels:
         x, _ = to_pixels(label.get_position())
-        length = 0.57 * 8 * len(label.get_text()) * ax.figure.dpi / POINTS_PER_INCH
         angle = np.radians(label.get_rotation())
-        half = 0.5 * length * abs(np.cos(angle))
-        assert abs(x - line) > half
-        assert ax.bbox.x0 < x - half
-        assert x + half < ax.bbox.x1
+        half = length_of(label) / 2 * abs(np.cos(angle))
+        assert abs(x - x_of_line) > half
+        assert box.x0 < x - half
+        assert x + half < box.x1
+
+
+def length_of(label):
+    """Length of the text of a contour's label, of 8 points, in pixels."""
+    mean_width_of_digit = 0.57 * 8  # points
+    points = mean_width_of_digit * len(label.get_text())
+    return points * label.axes.figure.dpi / POINTS_PER_INCH
 
 
 @pytest.mark.exhaustive
 def test_no_dot_of_a_contour_is_left_between_its_label_and_the_frame():
-    lengths = np.linspace(0.05, 1.5, 200)[:, None]
+    lengths = np.linspace(0.05, 1.5, 200)[:, np.newaxis]
     areas = np.geomspace(1e-5, 1e-3, 200)
     family = ri.System([rod(lengths, 1.0), rod(area=areas)])
 
     picture = plot.sweep(ri.sweep(family))
 
-    box = picture.ax.bbox
-    point = picture.ax.figure.dpi / POINTS_PER_INCH  # pixels
+    ax = picture.ax
+    box = ax.bbox
+    point = ax.figure.dpi / POINTS_PER_INCH  # pixels
     assert len(picture.labels) >= 4
     for label in picture.labels:
-        x, y = picture.ax.transData.transform(label.get_position())
-        half = 0.57 * 8 * len(label.get_text()) / 2 * point
+        x, y = ax.transData.transform(label.get_position())
+        half = length_of(label) / 2
         to_frame = min(x - box.x0, box.x1 - x, y - box.y0, box.y1 - y)
         assert to_frame - half > 6 * point
 
@@ -306,11 +350,12 @@ def test_no_dot_of_a_contour_is_left_between_its_label_and_the_frame():
 
 
 def random_family(shape):
-    """A family of random lengths and areas."""
+    """Strikers of random lengths and areas, a family of this shape; not solved."""
     rng = np.random.default_rng(1)
     lengths = rng.uniform(0.3, 0.7, shape)
     areas = rng.uniform(1e-4, 3e-4, shape)
-    return ri.System([rod(lengths, 1.0, area=areas), rod()])
+    striker = rod(lengths, 1.0, area=areas)
+    return ri.System([striker, rod()])
 
 
 @pytest.mark.exhaustive
@@ -319,27 +364,33 @@ def test_members_in_no_order_are_points_beside_a_histogram():
 
     picture = plot.sweep(result)
 
-    drawn = sorted(picture.values.get_ydata())
+    points = picture.values
+    assert points.get_linestyle() == "None"
+    drawn = sorted(points.get_ydata())
+    restitutions = sorted(result.columns["restitution"])
+    assert drawn == pytest.approx(restitutions)
     counts = [bar.get_width() for bar in picture.histogram]
-    assert picture.values.get_linestyle() == "None"
-    assert drawn == pytest.approx(sorted(result.columns["restitution"]))
     assert sum(counts) == 60
     assert collisions(picture) == []
 
 
 def test_numbers_that_rise_together_are_a_curve():
+    """Lengths are in no order, but areas rise with them."""
     lengths = np.array([0.5, 0.3, 0.4, 0.8, 0.7, 0.6])
-    family = ri.System([rod(lengths, 1.0, area=lengths * 1e-4), rod()])
+    areas = lengths * 1e-4  # they rise with the lengths
+    family = ri.System([rod(lengths, 1.0, area=areas), rod()])
 
     picture = plot.sweep(ri.sweep(family))
 
-    assert np.diff(picture.values.get_xdata()) == pytest.approx(0.1)
+    drawn_lengths = picture.values.get_xdata()
+    assert np.diff(drawn_lengths) == pytest.approx(0.1)  # in increasing order
     assert not hasattr(picture, "histogram")
 
 
 def test_a_map_of_members_in_no_order_is_refused_with_a_remedy_that_works():
-    random_rods = random_family((9, 1)).bodies[0]
-    rods_in_order = rod(area=np.array([1e-4, 2e-4, 4e-4]))
+    random_rods, _ = random_family((9, 1)).bodies
+    areas = np.array([1e-4, 2e-4, 4e-4])
+    rods_in_order = rod(area=areas)
     family = ri.System([random_rods, rods_in_order])  # no order along axis 0 alone
 
     with pytest.raises(ValueError, match=r"no order along axis 0.*system\[:, 0\]"):
@@ -356,8 +407,9 @@ def test_show_names_the_file_of_the_figure_without_a_display(
     solved, capsys, monkeypatch
 ):
     monkeypatch.setattr(plt, "get_backend", lambda: "agg")
+    picture = plot.energy(solved["unequal"])
 
-    assert plot.show(plot.energy(solved["unequal"])) is None
+    assert plot.show(picture) is None
 
     message = capsys.readouterr().err
     assert "No window can be opened here" in message

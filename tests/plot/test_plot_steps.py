@@ -19,23 +19,26 @@ MICROSECONDS = 1e6  # in a second
 
 
 def hertz():
-    """Two rods with a Hertz contact, a spring, and a mass bonded to an endless rod."""
+    """Two rods with a Hertz contact, a spring, and a mass bonded to an infinite rod."""
     bodies = [rod(0.2, 5.0), rod(0.6), ri.RigidMass(0.05), rod(0.4)]
     contacts = [ri.Hertz(5e9), ri.Spring(1e8), ri.Bonded()]
-    return ri.System(bodies, contacts=contacts, ends=(ri.Free(), ri.Absorbing()))
+    ends = (ri.Free(), ri.Absorbing())
+    return ri.System(bodies, contacts=contacts, ends=ends)
 
 
 def hopkinson():
-    """A striker and two bars with a spring between them, of which one is endless."""
+    """A striker and two bars with a spring between them; the last one is infinite."""
     bodies = [rod(0.3, 10.0), rod(), rod(0.8)]
     contacts = [ri.Rigid(), ri.Spring(2e8)]
-    return ri.System(bodies, contacts=contacts, ends=(ri.Free(), ri.Absorbing()))
+    ends = (ri.Free(), ri.Absorbing())
+    return ri.System(bodies, contacts=contacts, ends=ends)
 
 
 def mass_on_fixed_rod():
     """A mass that strikes a rod whose far end is held."""
-    bodies = [ri.RigidMass(0.3, velocity=2.0), rod(0.5)]
-    return ri.System(bodies, ends=(ri.Free(), ri.Fixed()))
+    mass = ri.RigidMass(0.3, velocity=2.0)
+    ends = (ri.Free(), ri.Fixed())
+    return ri.System([mass, rod(0.5)], ends=ends)
 
 
 def pushed():
@@ -60,7 +63,8 @@ def mass_on_stepped_rod():
     thin = ri.Segment(0.3, 1e-4, STEEL)
     thick = ri.Segment(0.2, 3e-4, ri.materials.aluminium)
     stepped = ri.Rod(segments=[thin, thick])
-    return ri.System([ri.RigidMass(1.0, velocity=1.0), stepped])
+    mass = ri.RigidMass(1.0, velocity=1.0)
+    return ri.System([mass, stepped])
 
 
 def rod_and_masses():
@@ -102,20 +106,20 @@ def solved():
 
 
 def cell_corners(picture):
-    """Corners of the cells, [times + 1, places + 1, 2]."""
+    """Corners of the cells, [times + 1, positions + 1, (x, t)]."""
     assert isinstance(picture.regions, QuadMesh)
     return np.asarray(picture.regions.get_coordinates())
 
 
 def cell_values(picture):
-    """Values of the cells, [times, places], masked between rods."""
+    """Values of the cells, [times, positions], masked between rods."""
     rows, columns, _ = cell_corners(picture).shape
     values = np.ma.asarray(picture.regions.get_array())
     return values.reshape(rows - 1, columns - 1)
 
 
 def unit_factor(label):
-    """Values that are shown, for each SI unit of the value."""
+    """The factor from SI units to the unit in parentheses at the end of a label."""
     factors = {
         "m/s": 1,
         "mm/s": 1e3,
@@ -130,18 +134,28 @@ def unit_factor(label):
 
 
 def middles(length, count):
-    """Middles of equal parts of a length."""
+    """Middles of `count` equal parts of a length."""
     return length * (np.arange(count) + 0.5) / count
 
 
 def indices_of_rods(system):
-    return [i for i, body in enumerate(system.bodies) if isinstance(body, ri.Rod)]
+    """Indices of the rods among the bodies of a system."""
+    indices = []
+    for i, body in enumerate(system.bodies):
+        if isinstance(body, ri.Rod):
+            indices.append(i)
+    return indices
 
 
-def places_of_cells(name, length, count):
-    """Middles of the cells of a rod, which do not cross a step of its section."""
+def positions_of_cells(name, length, count):
+    """Middles of the `count` cells of a rod, which do not cross a step of its section.
+
+    The stepped rod has 300 cells in segments of 0.3 m and 0.2 m.
+    """
     if name == "stepped":
-        return np.concatenate((middles(0.3, 180), 0.3 + middles(0.2, 120)))
+        in_thin_segment = middles(0.3, 180)
+        in_thick_segment = 0.3 + middles(0.2, 120)
+        return np.concatenate((in_thin_segment, in_thick_segment))
     return middles(length, count)
 
 
@@ -155,32 +169,37 @@ USUAL = [("stepped", "strain")]
 
 @pytest.mark.parametrize("case", few_of(CASES, USUAL))
 def test_cells_hold_the_mean_of_the_field_over_their_time(solved, case):
+    """The mean is that of 400 samples of the solution in the middle of each cell."""
     name, field = case
     solution = solved[name]
     bodies = solution.system.bodies
-    compute = getattr(solution, field)
+    field_at = getattr(solution, field)
 
     picture = plot.spacetime(
         solution, axes(), field, coordinates="lab", magnification=1.0
     )
 
+    label = picture.colour_bar.ax.get_ylabel()
+    factor = unit_factor(label)
     values = cell_values(picture)
-    factor = unit_factor(picture.colour_bar.ax.get_ylabel())
     steps, columns = values.shape
-    edges = np.linspace(0, solution.t_end, steps + 1)
+    edges = np.linspace(0, solution.t_end, steps + 1)  # of the cells in time
     rods = indices_of_rods(solution.system)
-    (between,) = np.nonzero(np.ma.getmaskarray(values)[0])
-    starts = [0, *(between + 1)]
-    stops = [*between, columns]
+    # One masked column stands between neighbouring rods.
+    (between_rods,) = np.nonzero(np.ma.getmaskarray(values)[0])
+    starts = [0, *(between_rods + 1)]
+    stops = [*between_rods, columns]
     tolerance = 0.005 * np.abs(values).max()
     for body, start, stop in zip(rods, starts, stops, strict=True):
         length = float(bodies[body].length)
-        x = places_of_cells(name, length, stop - start)
+        x = positions_of_cells(name, length, stop - start)
         assert x.size == stop - start
-        for step in (0, 57, steps - 1):
-            duration = edges[step + 1] - edges[step]
-            t = edges[step] + middles(duration, 400)
-            mean = compute(body, x[:, None], t).mean(axis=1) * factor
+        for step in (0, 57, steps - 1):  # the first, any, and the last one
+            begin = edges[step]
+            duration = edges[step + 1] - begin
+            t = begin + middles(duration, 400)
+            samples = field_at(body, x[:, np.newaxis], t)  # [position, time]
+            mean = samples.mean(axis=1) * factor
             drawn = np.asarray(values[step, start:stop])
             assert drawn == pytest.approx(mean, abs=tolerance)
 
@@ -191,21 +210,27 @@ def test_masses_are_strips_of_the_width_that_the_label_names(solved):
 
     picture = plot.spacetime(solution, axes(), coordinates="lab", magnification=1.0)
 
-    (strip,) = picture.masses
-    left, right = np.split(strip.get_xy()[:-1], 2)
-    right_x = right[::-1, 0]
-    t = left[:, 1] / MICROSECONDS
     label = "place x (m), masses drawn 0.05 m wide, true to scale"
-    bonded_end = picture.ends.get_segments()[4]  # of the rod bonded to its right side
     assert picture.ax.get_xlabel() == label
-    assert right_x - left[:, 0] == pytest.approx(0.05)
-    assert left[:, 0] == pytest.approx(solution.position(2, 0.0, t), abs=1e-9)
-    assert bonded_end[:, 0] == pytest.approx(right_x)
+    (strip,) = picture.masses
+    # Up the left side in time, down the right side, and closed by the first point
+    left_side, right_side = np.split(strip.get_xy()[:-1], 2)
+    left_x, t = left_side.T
+    right_x = right_side[::-1, 0]
+    assert right_x - left_x == pytest.approx(0.05)
+    position = solution.position(2, 0.0, t / MICROSECONDS)
+    assert left_x == pytest.approx(position, abs=1e-9)
+    # The left end of the third rod, which is bonded to the right side
+    bonded_end = picture.ends.get_segments()[4]
+    bonded_x = bonded_end[:, 0]
+    assert bonded_x == pytest.approx(right_x)
 
 
 @pytest.mark.exhaustive
 def test_rows_without_masses_have_no_strips(solved):
-    assert plot.spacetime(solved["hopkinson"], axes()).masses == []
+    picture = plot.spacetime(solved["hopkinson"], axes())
+
+    assert picture.masses == []
 
 
 BORDERS = {
@@ -243,52 +268,61 @@ def test_a_fixed_end_is_hatched_like_a_wall(method):
     snapshots = plot.snapshots(solution, axes(), [0.0, 5e-4])
 
     (wall,) = picture.walls
-    outline = wall.get_xy()
-    blocks = [block.get_x() for block in snapshots.walls]
     assert wall.get_hatch()
-    assert outline[:2, 0] == pytest.approx([1.4, 1.4])
-    assert all(outline[2:4, 0] > 1.4)
-    assert blocks == pytest.approx([1.4, 1.4])
+    corners_x = wall.get_xy()[:, 0]
+    face = corners_x[:2]  # at the start and the end of the run
+    back = corners_x[2:4]
+    assert face == pytest.approx([1.4, 1.4])
+    assert all(back > 1.4)
+    faces_of_snapshots = [block.get_x() for block in snapshots.walls]
+    assert faces_of_snapshots == pytest.approx([1.4, 1.4])
 
 
 def test_an_absorbing_end_is_dashed_and_no_other(solved):
     picture = plot.spacetime(solved["hopkinson"], axes())
 
-    dashes = [dash for _, dash in picture.ends.get_linestyle()]
-    *others, last = dashes
-    assert others == [None] * 5
-    assert last is not None
+    styles = picture.ends.get_linestyle()  # (offset, dashes) of each of six ends
+    *other_dashes, last_dashes = [dashes for _, dashes in styles]
+    assert other_dashes == [None] * 5
+    assert last_dashes is not None
 
 
 def test_contacts_press_as_long_as_their_episodes(solved):
+    """Lines of pressing last as long as the force of all episodes, in sum."""
     solution = solved["hertz"]
-    expected = 0.0
+    expected = 0.0  # s, duration of all episodes
     for contact in solution.contacts:
         for episode in contact.episodes:
             end = episode.force_end
             if math.isnan(end):  # it still presses
                 end = solution.t_end
-            expected += min(end, solution.t_end) - episode.start
+            end = min(end, solution.t_end)
+            expected += end - episode.start
 
     picture = plot.spacetime(solution, axes())
 
-    durations = [np.ptp(path[:, 1]) for path in picture.pressing.get_segments()]
-    assert sum(durations) / MICROSECONDS == pytest.approx(expected, rel=1e-6)
+    lines = picture.pressing.get_segments()
+    durations = [np.ptp(line[:, 1]) for line in lines]
+    drawn_duration = sum(durations) / MICROSECONDS
+    assert drawn_duration == pytest.approx(expected, rel=1e-6)
 
 
 def test_a_diagram_from_start_to_stop_shows_that_interval(solved):
     picture = plot.spacetime(solved["mass"], axes(), start=1e-4, stop=2e-4)
 
     times = cell_corners(picture)[:, 0, 1]
-    assert times[0] == pytest.approx(100)
+    assert times[0] == pytest.approx(100)  # us
     assert times[-1] == pytest.approx(200)
 
 
 @pytest.mark.exhaustive
 def test_cells_stay_pixels_so_that_vector_files_are_small(solved, tmp_path):
-    plot.save(plot.spacetime(solved["hertz"]).ax.figure, tmp_path / "a.svg")
+    path = tmp_path / "a.svg"
+    figure = plot.spacetime(solved["hertz"]).ax.figure
 
-    file = (tmp_path / "a.svg").read_bytes()
+    plot.save(figure, path)
+
+    file = path.read_bytes()
     assert file.count(b"<image") == 2  # cells and colour bar
     assert len(file) < 500_000
 
@@ -301,9 +335,13 @@ def test_moments_hold_all_events_at_the_contacts(solved):
     events = set()
     for contact in solution.contacts:
         for episode in contact.episodes:
-            events.update(time for time in episode if not math.isnan(time))
+            for time in episode:
+                if not math.isnan(time):  # it has not come about
+                    events.add(time)
 
-    assert events <= set(moments(solution).tolist())
+    times = set(moments(solution).tolist())
+
+    assert events <= times
 
 
 @pytest.mark.exhaustive
@@ -312,18 +350,21 @@ def test_snapshots_show_the_first_and_last_of_many_events_and_count_the_hidden()
     rods = []
     for length in (0.2, 0.3, 0.5):
         rods.append(ri.Rod(length, area=1e-4, material=steel, velocity=1.0))
-    solution = ri.solve(ri.System([*rods, ri.Wall()], gaps=[1e-5, 1e-5, 1e-5]))
+    system = ri.System([*rods, ri.Wall()], gaps=[1e-5, 1e-5, 1e-5])
+    solution = ri.solve(system)
     events = set(contact_event_times(solution))
 
     picture = plot.snapshots(solution)
+    at_chosen_times = plot.snapshots(solution, times=[0.0, 1e-4])
 
     shown = set(picture.times.tolist())
-    assert picture.times.size == 8
-    assert {min(events), max(events)} <= shown
+    assert len(shown) == picture.times.size == 8
+    assert min(events) in shown
+    assert max(events) in shown
+    n_hidden = len(events - shown)
     caption = picture.ax.get_xlabel()
-    assert f"times of events at contacts not shown: {len(events - shown)}" in caption
-    chosen = plot.snapshots(solution, times=[0.0, 1e-4])
-    assert "not shown" not in chosen.ax.get_xlabel()
+    assert f"times of events at contacts not shown: {n_hidden}" in caption
+    assert "not shown" not in at_chosen_times.ax.get_xlabel()
 
 
 def test_pieces_have_the_velocity_and_outline_of_the_rods(solved):
@@ -333,23 +374,28 @@ def test_pieces_have_the_velocity_and_outline_of_the_rods(solved):
     picture = plot.snapshots(solution, axes(), [t], magnification=1.0)
 
     boxes = [path.get_extents() for path in picture.bars.get_paths()]
-    pieces = round(300 * 0.3 / 2.1)  # of the striker, 0.3 m of 2.1 m in all
-    drawn = np.asarray(picture.bars.get_array())[:pieces]
-    velocity = solution.velocity(0, middles(0.3, pieces), t)
-    left = float(solution.position(0, 0.0, t))
-    right = float(solution.position(2, 0.8, t))
     assert 250 < len(boxes) < 350
+    first, *_, last = boxes
+    left_end = float(solution.position(0, 0.0, t))
+    right_end = float(solution.position(2, 0.8, t))
+    assert first.x0 == pytest.approx(left_end)
+    assert last.x1 == pytest.approx(right_end)
+    n_striker = round(300 * 0.3 / 2.1)  # pieces of 0.3 m of 2.1 m in all
+    drawn = np.asarray(picture.bars.get_array())[:n_striker]
+    velocity = solution.velocity(0, middles(0.3, n_striker), t)
     assert drawn == pytest.approx(velocity)
-    assert boxes[0].x0 == pytest.approx(left)
-    assert boxes[-1].x1 == pytest.approx(right)
-    assert len(picture.outlines.get_segments()) == 3
-    assert picture.colour_bar.ax.get_xlabel() == "velocity (m/s)"
+    outlines = picture.outlines.get_segments()
+    assert len(outlines) == 3
+    colour_bar = picture.colour_bar.ax
+    assert colour_bar.get_xlabel() == "velocity (m/s)"
 
 
 def test_labels_of_neighbouring_masses_do_not_meet(solved):
+    """The label of the first mass stands below it, that of the second one above."""
     picture = plot.snapshots(solved["masses"], axes(), [0.0])
 
-    heights = [label.get_position()[1] for label in picture.labels[-2:]]
+    _, *labels_of_masses = picture.labels
+    heights = [label.get_position()[1] for label in labels_of_masses]
     assert heights == [-0.36, 0.36]
 
 
@@ -360,46 +406,54 @@ def test_labels_of_neighbouring_masses_do_not_meet(solved):
 def test_overlap_is_named_where_there_is_some(solved):
     drawn = plot.contact(solved["hertz"])
 
-    low, high = drawn.gap_ax.get_ylim()
+    ax = drawn.gap_ax
+    assert "below 0\noverlap" in ax.get_ylabel()
+    low, high = ax.get_ylim()
     least_gap = min(drawn.gaps[0].get_ydata())
-    assert "below 0\noverlap" in drawn.gap_ax.get_ylabel()
     assert low < least_gap < min(0, high)
 
 
 def test_a_gap_without_overlap_is_a_gap(solved):
     drawn = plot.contact(solved["hopkinson"], contact=0)
 
-    assert drawn.gap_ax.get_ylabel().startswith("gap (")
+    label = drawn.gap_ax.get_ylabel()
+    assert label.startswith("gap (")
 
 
 @pytest.fixture(scope="module")
-def joined():
-    """Three rods, of which the last two are joined by a spring and a dashpot."""
+def joined_solution():
+    """The solution of three rods; the last two are joined by a spring and a dashpot."""
     rods = [rod(0.4, 1.0), rod(0.3), rod(0.5)]
     row = ri.System(rods, contacts=[ri.Rigid(), ri.Joint(1e8, 1e3)])
     return ri.solve(row, 0.4e-3)
 
 
 @pytest.fixture(scope="module")
-def joined_picture(joined):
-    return plot.spacetime(joined, axes(), coordinates="lab")
+def joined_picture(joined_solution):
+    """The space-time diagram of `joined_solution`, with displacements."""
+    return plot.spacetime(joined_solution, axes(), coordinates="lab")
 
 
 def joint_patch(picture):
-    (patch,) = [patch for patch in picture.ax.patches if patch.get_label() == "joint"]
-    return patch
+    """The patch that shows the joint."""
+    patches = picture.ax.patches
+    (joint,) = [patch for patch in patches if patch.get_label() == "joint"]
+    return joint
 
 
-def test_the_gap_of_a_joint_is_its_stretch(joined):
-    joint = plot.contact(joined, contact=1)
-    assert joint.force_ax.get_ylabel().startswith("force at contact 2-3")
-    both = plot.contact(joined, contact=[0, 1])
+def test_the_gap_of_a_joint_is_its_stretch(joined_solution):
+    joint = plot.contact(joined_solution, contact=1)
+    both = plot.contact(joined_solution, contact=[0, 1])
 
-    assert joint.gap_ax.get_ylabel().startswith("stretch (")
-    assert both.gap_ax.get_ylabel().startswith("gap,\nor stretch (")
+    force_of_joint = joint.force_ax.get_ylabel()
+    gap_of_joint = joint.gap_ax.get_ylabel()
+    gap_of_both = both.gap_ax.get_ylabel()
+    assert force_of_joint.startswith("force at contact 2-3")
+    assert gap_of_joint.startswith("stretch (")
+    assert gap_of_both.startswith("gap,\nor stretch (")
 
 
-def test_a_joint_is_drawn_between_its_faces(joined, joined_picture):
+def test_a_joint_is_drawn_between_its_faces(joined_solution, joined_picture):
     # The outline goes along the left face in time, and back along the right one.
     x, t = joint_patch(joined_picture).get_xy().T
     n = len(x) // 2
@@ -407,8 +461,9 @@ def test_a_joint_is_drawn_between_its_faces(joined, joined_picture):
     right = x[n : 2 * n][::-1]
     width = right - left
     growth = width - width[0]
-    times = np.minimum(t[:n] / MICROSECONDS, joined.t_end)
-    stretch = joined.contacts[1].gap(times)
+    times = t[:n] / MICROSECONDS
+    times = np.minimum(times, joined_solution.t_end)  # without round-off
+    stretch = joined_solution.contacts[1].gap(times)
     magnification = growth @ stretch / (stretch @ stretch)  # least squares
     assert magnification > 1
     assert growth == pytest.approx(magnification * stretch, abs=1e-9)
@@ -416,22 +471,24 @@ def test_a_joint_is_drawn_between_its_faces(joined, joined_picture):
 
 
 def test_a_joint_is_not_drawn_as_pressing(joined_picture):
-    x_of_joint = joint_patch(joined_picture).get_xy()[:, 0]
-    pressing = np.concatenate(joined_picture.pressing.get_segments())  # [point, (x, t)]
-    assert pressing[:, 0].max() < x_of_joint.min()
+    joint_x, _ = joint_patch(joined_picture).get_xy().T
+    lines = joined_picture.pressing.get_segments()  # each [point, (x, t)]
+    pressing_x, _ = np.concatenate(lines).T
+    assert pressing_x.max() < joint_x.min()
 
 
 @pytest.mark.exhaustive
-def test_a_joint_is_a_line_in_places_of_the_bodies(joined):
-    line = joint_patch(plot.spacetime(joined))
+def test_a_joint_is_a_line_in_material_coordinates(joined_solution):
+    line = joint_patch(plot.spacetime(joined_solution))
 
-    assert np.ptp(line.get_xy()[:, 0]) == pytest.approx(0.0, abs=1e-12)
+    x, _ = line.get_xy().T
+    assert np.ptp(x) == pytest.approx(0.0, abs=1e-12)
     assert line.get_linewidth() > 0.5
 
 
 @pytest.mark.exhaustive
-def test_a_joint_is_pressed_together_and_drawn_out_in_snapshots(joined):
-    lines = plot.snapshots(joined).ax.lines
+def test_a_joint_is_pressed_together_and_drawn_out_in_snapshots(joined_solution):
+    lines = plot.snapshots(joined_solution).ax.lines
 
     # A joint is a zigzag of many points, one in each snapshot.
     widths = []
@@ -443,25 +500,27 @@ def test_a_joint_is_pressed_together_and_drawn_out_in_snapshots(joined):
     assert min(widths) < width_at_rest < max(widths)
 
 
-def test_all_contacts_are_drawn_and_named(joined):
-    drawn = plot.contact(joined)
+def test_all_contacts_are_drawn_and_named(joined_solution):
+    drawn = plot.contact(joined_solution)
 
-    names = [text.get_text() for text in drawn.force_ax.get_legend().get_texts()]
-    assert names == ["contact 1-2", "contact 2-3"]
-    assert drawn.force_ax.get_ylabel().startswith("contact force (")
+    ax = drawn.force_ax
+    assert legend(ax) == ["contact 1-2", "contact 2-3"]
+    assert ax.get_ylabel().startswith("contact force (")
     assert len(drawn.forces) == len(drawn.gaps) == 2
 
 
 def test_of_many_contacts_those_of_the_largest_forces_are_drawn():
-    small = rod(0.1)
-    row = ri.System([rod(0.1, 1.0), *[small] * 12, ri.Wall()])
+    striker = rod(0.1, 1.0)
+    small_rods = [rod(0.1)] * 12
+    row = ri.System([striker, *small_rods, ri.Wall()])
     solution = ri.solve(row, until=6e-5)  # the wave has not reached the last contacts
 
     drawn = plot.contact(solution)
 
     names = [force.get_label() for force in drawn.forces]
     assert names == [f"contact {k}-{k + 1}" for k in range(1, 13)]
-    assert drawn.force_ax.get_title(loc="left") == "12 of 13 contacts"
+    title = drawn.force_ax.get_title(loc="left")
+    assert title == "12 of 13 contacts"
 
 
 def test_the_force_of_an_impact_is_named_a_mean(solved):
@@ -483,19 +542,23 @@ WITHOUT_WORK = sorted(set(SYSTEMS) - WITH_WORK)
 
 @pytest.mark.parametrize("name", few_of(WITHOUT_WORK, {"hopkinson"}))
 def test_bands_reach_the_initial_energy(solved, name):
+    """The upper edge of the highest band is constant: nothing works from outside."""
     drawn = plot.energy(solved[name], axes())
 
-    energies = list(top_of(drawn.bands[-1]).values())
-    initial = [max(energies)] * len(energies)
+    highest_band = drawn.bands[-1]
+    energies = np.array(list(top_of(highest_band).values()))
+    constant = np.full(energies.shape, energies.max())
+    assert energies == pytest.approx(constant, rel=1e-6)
     assert drawn.work is None
-    assert energies == pytest.approx(initial, rel=1e-6)
 
 
 @pytest.mark.parametrize("name", few_of(sorted(WITH_WORK), {"falling"}))
 def test_bands_reach_the_initial_energy_and_the_work_from_outside(solved, name):
+    """The upper edge of the highest band is at the drawn work at all times."""
     drawn = plot.energy(solved[name], axes())
 
-    tops = top_of(drawn.bands[-1])
+    highest_band = drawn.bands[-1]
+    tops = top_of(highest_band)  # {time: energy}
     times, energies = drawn.work.get_data()
     tolerance = 1e-6 * max(energies)
     for time, energy in zip(times, energies, strict=True):
@@ -515,26 +578,29 @@ def test_every_picture_renders(solved, name):
 
 
 @pytest.fixture(scope="module")
-def driven_pile():
+def pile_solution():
     """The run of a hammer that strikes a pile of concrete."""
     concrete = ri.Material("concrete", youngs_modulus=30e9, density=2400)
     pile = ri.Rod(18.0, area=0.06, material=concrete)
     hammer = ri.RigidMass(500.0, velocity=3.0)
-    return ri.solve(ri.System([hammer, pile]), 0.02, "characteristics")
+    system = ri.System([hammer, pile])
+    return ri.solve(system, 0.02, "characteristics")
 
 
 @pytest.mark.parametrize("coordinates", few_of(["body", "lab"], ["lab"]))
-def test_a_mass_in_front_leaves_the_pile_at_its_place(driven_pile, coordinates):
-    picture = plot.spacetime(driven_pile, axes(), coordinates=coordinates)
+def test_the_pile_begins_at_0_m_behind_a_drawn_mass(pile_solution, coordinates):
+    picture = plot.spacetime(pile_solution, axes(), coordinates=coordinates)
 
-    places_of_ends = [path[0, 0] for path in picture.ends.get_segments()]
-    assert places_of_ends == pytest.approx([0.0, 18.0], abs=1e-9)
+    paths = picture.ends.get_segments()  # each [point, (x, t)]
+    initial_positions = [path[0, 0] for path in paths]
+    assert initial_positions == pytest.approx([0.0, 18.0], abs=1e-9)
 
 
-def test_ticks_beside_a_mass_are_material_coordinates(driven_pile):
-    ax = plot.spacetime(driven_pile, axes()).ax
+def test_ticks_beside_a_mass_are_material_coordinates(pile_solution):
+    ax = plot.spacetime(pile_solution, axes()).ax
 
-    assert ax.get_xticks().tolist() == pytest.approx([0.0, 18.0])
+    ticks = ax.get_xticks().tolist()
+    assert ticks == pytest.approx([0.0, 18.0])
     assert texts_of(ax.get_xticklabels()) == ["0", "18"]
 
 
@@ -543,4 +609,5 @@ def test_ticks_beyond_a_mass_are_material_coordinates(solved):
     ax = plot.spacetime(solved["pushed"]).ax
 
     assert texts_of(ax.get_xticklabels()) == ["0", "0.5", "0.8"]
-    assert "masses drawn" in ax.get_xlabel().replace("\n", " ")
+    label = " ".join(ax.get_xlabel().split())  # without line breaks
+    assert "masses drawn" in label

@@ -23,7 +23,9 @@ MM_PER_INCH = 25.4
 
 
 def solved_mass():
-    bodies = [ri.RigidMass(0.1, velocity=1.0), rod(0.4), ri.Wall()]
+    """The solution by characteristics of a mass that strikes a rod before a wall."""
+    mass = ri.RigidMass(0.1, velocity=1.0)
+    bodies = [mass, rod(0.4), ri.Wall()]
     row = ri.System(bodies, gaps=[0.0, 1e-5])
     return ri.solve(row, 2e-4, "characteristics")
 
@@ -63,6 +65,7 @@ def contrast(a, b):
 
 @pytest.mark.parametrize("name", LOOKS)
 def test_everything_can_be_seen_on_its_paper(name):
+    """A contrast is 1 to 21: above 12 of ink, 7 of masses, 3 of other lines."""
     colours = LOOKS[name]
     paper = colours.paper
 
@@ -86,14 +89,17 @@ def test_words_of_dark_figures_are_light_and_paper_is_dark(name):
     with plot.look("dark"):
         figure = PICTURES[name]().figure
 
-    assert luminance(figure.get_facecolor()) < 0.01
-    assert luminance(figure.axes[0].get_facecolor()) < 0.01
+    paper = figure.get_facecolor()
+    paper_of_axes = figure.axes[0].get_facecolor()
+    assert luminance(paper) < 0.01
+    assert luminance(paper_of_axes) < 0.01
     for ax in figure.axes:
         for word in words_of_axes(ax):
             assert luminance(word.get_color()) > 0.7
 
 
 def present_look():
+    """The name of the look that figures have now."""
     colours = plot.style.colours()
     (name,) = [name for name in LOOKS if LOOKS[name] == colours]
     return name
@@ -126,6 +132,7 @@ def test_a_look_leaves_the_settings_alone():
 
 
 def test_a_look_is_that_of_one_thread():
+    """Another thread has the light look, although the first one is in a dark one."""
     colours = []
     with plot.look("dark"):
         other = threading.Thread(target=lambda: colours.append(plot.style.colours()))
@@ -140,17 +147,20 @@ SIZED = {"spacetime"}
 
 @pytest.mark.parametrize("name", few_of(PICTURES, SIZED))
 def test_a_column_is_as_wide_as_asked_and_labels_stay_inside(name):
+    """The figure is 85 mm wide; labels leave it by 0.02 inches at most."""
     with plot.look(width=85):
         figure = PICTURES[name]().figure
     canvas = FigureCanvasAgg(figure)
     canvas.draw()
 
-    box = figure.get_tightbbox(canvas.get_renderer())  # inches
-    assert figure.get_figwidth() * MM_PER_INCH == pytest.approx(85)
+    width = figure.get_figwidth()  # inches
+    height = figure.get_figheight()
+    assert width * MM_PER_INCH == pytest.approx(85)
+    box = figure.get_tightbbox(canvas.get_renderer())  # around all labels, inches
     assert box.x0 > -0.02
-    assert box.x1 < figure.get_figwidth() + 0.02
+    assert box.x1 < width + 0.02
     assert box.y0 > -0.02
-    assert box.y1 < figure.get_figheight() + 0.02
+    assert box.y1 < height + 0.02
 
 
 @pytest.mark.parametrize(
@@ -174,10 +184,13 @@ def test_style_sheets_have_paper_ink_and_series_of_the_looks(mode):
         (line,) = ax.plot([0, 1])
 
     colours = LOOKS[mode]
-    assert to_hex(figure.get_facecolor()) == colours.paper
-    assert to_hex(ax.xaxis.label.get_color()) == colours.ink
+    paper = to_hex(figure.get_facecolor())
+    ink = to_hex(ax.xaxis.label.get_color())
+    assert paper == colours.paper
+    assert ink == colours.ink
     assert line.get_color() == colours.series[0]
-    assert not ax.spines["top"].get_visible()
+    top_line = ax.spines["top"]
+    assert not top_line.get_visible()
 
 
 COLOURS = {
@@ -201,7 +214,8 @@ def test_the_style_sheets_differ_in_colours_only():
     with plt.style.context("rodimpact.plot.dark"):
         dark = settings()
 
-    assert {name for name in light if light[name] != dark[name]} == COLOURS
+    different = {name for name in light if light[name] != dark[name]}
+    assert different == COLOURS
 
 
 @pytest.mark.usefixtures("closing")
@@ -213,7 +227,8 @@ def test_axes_of_pyplot_look_like_axes_of_the_package():
     own = plot.energy(SOLUTION)
     assert picture.ax is ax
     assert texts_of(picture.labels) == texts_of(own.labels)
-    assert not ax.spines["top"].get_visible()
+    top_line = ax.spines["top"]
+    assert not top_line.get_visible()
 
 
 @pytest.mark.usefixtures("closing")

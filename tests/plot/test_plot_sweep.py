@@ -17,12 +17,12 @@ UNIT = ri.Material("unit", youngs_modulus=1.0, density=1.0)
 
 
 def column(values):
-    """These values along the first axis of a family of two."""
-    return np.asarray(values)[:, None]
+    """Values along the first axis of a family of two axes, of shape (n, 1)."""
+    return np.asarray(values)[:, np.newaxis]
 
 
 def rods_with_heads():
-    """A heavy rod with a head of any length and area, struck by a rod."""
+    """A heavy rod struck by a rod, a map over length and area of its head; not solved."""
     lengths = column(np.linspace(1.1, 2.9, 7))
     areas = np.linspace(1.1, 2.6, 6)
     head = ri.Segment(lengths, areas, UNIT)
@@ -32,31 +32,35 @@ def rods_with_heads():
 
 
 def speeds():
-    """Strikers of many lengths and velocities, some of which recede."""
+    """A map over length and velocity of the striker, some of which recede; not solved."""
     lengths = column(np.linspace(0.5, 1.5, 9))
     velocities = np.linspace(-1, 2, 7)
     return ri.System([rod(lengths, velocities), rod()])
 
 
 def moving_wall():
-    """Rods of many lengths and velocities beside a moving wall."""
+    """A map over length and velocity of a rod beside a moving wall; not solved."""
     lengths = column(np.linspace(0.1, 1, 4))
     velocities = np.linspace(-2, 1, 9)
     return ri.System([ri.Wall(0.5), rod(lengths, velocities)])
 
 
 def gaps():
-    """Rows of three rods with many gaps before the second."""
+    """Rows of three rods with many gaps before the second one; not solved."""
     rods = [rod(0.2, 1.0), rod(0.3), rod(0.2)]
-    return ri.System(rods, gaps=[np.linspace(0, 2e-4, 9), 1e-5])
+    first_gaps = np.linspace(0, 2e-4, 9)
+    return ri.System(rods, gaps=[first_gaps, 1e-5])
 
 
-LENGTHS = np.geomspace(0.25, 4, 17)
-AREAS = np.geomspace(2e-5, 5e-4, 21)
+SIXTY_LENGTHS = np.linspace(0.1, 3, 60)  # m
+TEN_LENGTHS = np.linspace(0.25, 2.5, 10)  # m
+STRIKER_AREAS = np.linspace(2e-5, 3e-4, 57)  # m^2
+LENGTHS = np.geomspace(0.25, 4, 17)  # m, of the map
+AREAS = np.geomspace(2e-5, 5e-4, 21)  # m^2, of the map
 SYSTEMS = {
-    "lengths": ri.System([rod(np.linspace(0.1, 3, 60), 1.0), rod()]),
-    "few": ri.System([rod(np.linspace(0.25, 2.5, 10), 1.0, area=3e-4), rod()]),
-    "areas": ri.System([rod(0.5, 1.0, area=np.linspace(2e-5, 3e-4, 57)), rod()]),
+    "lengths": ri.System([rod(SIXTY_LENGTHS, 1.0), rod()]),
+    "few": ri.System([rod(TEN_LENGTHS, 1.0, area=3e-4), rod()]),
+    "areas": ri.System([rod(0.5, 1.0, area=STRIKER_AREAS), rod()]),
     "map": ri.System([rod(column(LENGTHS), 1.0), rod(area=AREAS)]),
     "speeds": speeds(),
     "wall": ri.System([rod(np.linspace(0.1, 1, 10), 1.0), ri.Wall()]),
@@ -82,7 +86,9 @@ def swept():
 
 
 def result_of(values):
-    """A family of lengths, or of lengths and areas, with given results."""
+    """A sweep over lengths, or over lengths and areas, with these values as its
+    results.
+    """
     lengths = np.linspace(1, 2, values.shape[0])
     areas = 1e-4
     if values.ndim == 2:
@@ -90,30 +96,36 @@ def result_of(values):
         areas = np.linspace(1e-4, 2e-4, values.shape[1])
     system = ri.System([rod(lengths, 1.0, strain=1e-6), rod(area=areas)])
     columns = {"restitution": values, "episodes.0": values}
-    return SweepResult(system, Options(method="fronts"), columns)
+    options = Options(method="fronts")
+    return SweepResult(system, options, columns)
 
 
-def swept_map(lengths, second):
-    """A map over lengths of rod 1 and a parameter of rod 2."""
-    return ri.sweep(ri.System([rod(column(lengths), 1.0), second]))
+def swept_map(lengths, second_rod):
+    """Sweep a map over lengths of rod 1, at 1 m/s, and a parameter of rod 2."""
+    first_rod = rod(column(lengths), 1.0)
+    return ri.sweep(ri.System([first_rod, second_rod]))
 
 
 def limits(picture):
-    """Limits of both axes."""
-    return (*picture.ax.get_xlim(), *picture.ax.get_ylim())
+    """Limits of both axes, (left, right, bottom, top)."""
+    ax = picture.ax
+    return (*ax.get_xlim(), *ax.get_ylim())
 
 
 def levels_of(values):
     """Levels of the contours of a map of values."""
-    return list(plot.sweep(result_of(values), axes()).contours.levels)
+    picture = plot.sweep(result_of(values), axes())
+    return list(picture.contours.levels)
 
 
 def contours_of(picture):
-    """Level and places of each contour."""
-    return zip(picture.contours.levels, picture.contours.get_paths(), strict=True)
+    """Level and path of each contour."""
+    contours = picture.contours
+    return zip(contours.levels, contours.get_paths(), strict=True)
 
 
 def finite_points(line):
+    """Arrays x and y of the points of a line that have a finite y."""
     x, y = line.get_data()
     is_finite = np.isfinite(y)
     return x[is_finite], y[is_finite]
@@ -123,57 +135,68 @@ def finite_points(line):
 
 
 def test_a_curve_goes_through_the_results(swept):
-    lengths = np.linspace(0.1, 3, 60)
-
+    """The struck rod is 1 m long: e is the shorter length over the longer one."""
     picture = plot.sweep(swept["lengths"], axes())
 
-    e = np.minimum(lengths, 1 / lengths)
-    assert picture.values.get_xdata() == pytest.approx(lengths)
-    assert picture.values.get_ydata() == pytest.approx(e)
+    e = np.minimum(SIXTY_LENGTHS, 1 / SIXTY_LENGTHS)
+    drawn_lengths, drawn_e = picture.values.get_data()
+    assert drawn_lengths == pytest.approx(SIXTY_LENGTHS)
+    assert drawn_e == pytest.approx(e)
     assert picture.values.get_linestyle() == "-"
-    assert picture.ax.get_xlabel() == "length of rod 1 (m)"
-    assert picture.ax.get_ylabel() == "coefficient of restitution e"
-    assert picture.ax.get_xscale() == "linear"
+    ax = picture.ax
+    assert ax.get_xlabel() == "length of rod 1 (m)"
+    assert ax.get_ylabel() == "coefficient of restitution e"
+    assert ax.get_xscale() == "linear"
 
 
 def test_a_curve_of_many_points_has_marks_where_no_line_goes():
-    """Marks elsewhere would lie beside the line by up to half a pixel."""
+    """Points 0 and 2, whose neighbours are missing, have a mark; all others do not."""
     values = np.linspace(0.1, 1.0, 60)
     values[[1, 3]] = np.nan
 
-    curve = plot.sweep(result_of(values), axes()).values
+    picture = plot.sweep(result_of(values), axes())
 
-    marked = curve.get_ydata()[curve.get_markevery()]
-    assert marked.tolist() == [values[0], values[2]]
+    curve = picture.values
+    marked_indices = curve.get_markevery()
+    marked = curve.get_ydata()[marked_indices]
+    expected = [values[0], values[2]]
+    assert marked.tolist() == expected
 
 
 def test_the_closed_form_lies_under_few_points_and_is_smooth_between_them(swept):
     picture = plot.sweep(swept["few"], axes())
 
+    computed = picture.values
+    assert computed.get_marker() == "o"
+    assert computed.get_linestyle() == "None"
     x, y = picture.theory.get_data()
-    exact = ri.theory.saint_venant(3.0, x, 1.0, 1.0).restitution
-    assert picture.values.get_marker() == "o"
-    assert picture.values.get_linestyle() == "None"
     assert x.size >= 400
+    # The impedance ratio is 3; the struck rod is 1 m long, the striker has 1 m/s.
+    exact = ri.theory.saint_venant(3.0, x, 1.0, 1.0).restitution
     assert y == pytest.approx(exact, abs=1e-12)
-    assert picture.theory.get_zorder() <= picture.values.get_zorder()
+    assert picture.theory.get_zorder() <= computed.get_zorder()
     assert legend(picture) == ["closed form", "computed"]
 
 
 def test_curves_of_two_families_are_told_apart(swept):
-    first = plot.sweep(swept["few"], axes(), label="thin")
-    wide_lengths = swept["lengths"].system[:40]
-    second = plot.sweep(ri.sweep(wide_lengths), first.ax, "vibration", label="thick")
-    third = plot.sweep(swept["few"], first.ax)
+    ax = axes()
+    shorter_lengths = swept["lengths"].system[:40]
 
-    drawn = [first.values, second.values, third.values]
-    assert len({curve.get_color() for curve in drawn}) == 3
+    first = plot.sweep(swept["few"], ax, label="thin")
+    second = plot.sweep(ri.sweep(shorter_lengths), ax, "vibration", label="thick")
+    third = plot.sweep(swept["few"], ax)
+
+    curves = [first.values, second.values, third.values]
+    colours = {curve.get_color() for curve in curves}
+    assert len(colours) == 3
     assert legend(third) == ["closed form", "thin", "thick", "family 3"]
-    low, high = third.ax.get_xlim()
-    for curve in drawn:
-        assert low <= min(curve.get_xdata())
-        assert max(curve.get_xdata()) <= high
-        assert np.nanmax(curve.get_ydata()) <= third.ax.get_ylim()[1]
+    left, right = ax.get_xlim()
+    _, top = ax.get_ylim()
+    for curve in curves:
+        x, y = curve.get_data()
+        assert left <= min(x)
+        assert max(x) <= right
+        assert np.nanmax(y) <= top
 
 
 def test_displacements_are_in_millimetres_as_in_tables():
@@ -184,7 +207,9 @@ def test_displacements_are_in_millimetres_as_in_tables():
     ax = plot.sweep(moved, axes(), "displacement.1").ax
 
     assert ax.get_ylabel().endswith("(mm)")
-    assert ax.get_ylim()[1] == pytest.approx(1e3 * max(moved.displacements[1]), rel=0.1)
+    _, top = ax.get_ylim()
+    largest = 1e3 * max(moved.displacements[1])  # mm
+    assert top == pytest.approx(largest, rel=0.1)
 
 
 QUANTITIES = (
@@ -204,11 +229,13 @@ def test_theory_and_results_agree(swept, name, quantity):
     picture = plot.sweep(swept[name], axes(), quantity)
 
     x, y = finite_points(picture.values)
-    exact_x, exact_y = finite_points(picture.theory)
-    nearest = np.abs(exact_x[:, None] / x - 1).argmin(axis=0)
+    theory_x, theory_y = finite_points(picture.theory)
+    distances = np.abs(column(theory_x) / x - 1)  # [point of the theory, result]
+    nearest = distances.argmin(axis=0)
+    assert theory_x[nearest] == pytest.approx(x, rel=1e-9)
+    expected = theory_y[nearest]
     scale = max(1.0, np.abs(y).max())
-    assert exact_x[nearest] == pytest.approx(x, rel=1e-9)
-    assert y == pytest.approx(exact_y[nearest], rel=1e-9, abs=1e-9 * scale)
+    assert y == pytest.approx(expected, rel=1e-9, abs=1e-9 * scale)
 
 
 @pytest.mark.parametrize(
@@ -228,27 +255,32 @@ def test_no_theory_where_none_is_known(swept, name, quantity):
 
 
 def test_a_curve_is_broken_at_a_jump(swept):
+    """The curve and the closed form have one gap, at equal areas."""
     picture = plot.sweep(swept["areas"], axes(), "duration.0")
 
-    # At equal areas, 100 mm^2, the duration jumps from 2 l1/c to 2 l2/c.
-    x, y = picture.values.get_data()
+    x, y = picture.values.get_data()  # mm^2, us
     (gap,) = np.flatnonzero(np.isnan(y))
+    before = gap - 1
+    after = gap + 1
+    assert x[before] == pytest.approx(100.0)
+    assert x[after] == pytest.approx(105.0)
+    # At equal areas, 100 mm^2, the duration jumps from 2 l1/c to 2 l2/c.
+    assert y[before] == pytest.approx(1e6 / C)
+    assert y[after] == pytest.approx(2e6 / C)
     theory_x, theory_y = picture.theory.get_data()
     (theory_gap,) = np.flatnonzero(np.isnan(theory_y))
-    assert x[gap - 1] == pytest.approx(100.0)
-    assert x[gap + 1] == pytest.approx(105.0)
-    assert y[gap - 1] == pytest.approx(1e6 / C)
-    assert y[gap + 1] == pytest.approx(2e6 / C)
     assert theory_x[theory_gap] == pytest.approx(100.0, abs=1.0)
-    assert picture.ax.get_xlabel() == "area of rod 1 (mm²)"
-    assert picture.ax.get_ylabel() == "force duration (µs)"
+    ax = picture.ax
+    assert ax.get_xlabel() == "area of rod 1 (mm²)"
+    assert ax.get_ylabel() == "force duration (µs)"
 
 
 @pytest.mark.parametrize("quantity", ["restitution", "velocity_after.0", "impulse.0"])
 def test_a_curve_is_not_broken_at_a_corner(swept, quantity):
     picture = plot.sweep(swept["areas"], axes(), quantity)
 
-    assert np.isfinite(picture.values.get_ydata()).all()
+    drawn = picture.values.get_ydata()
+    assert np.isfinite(drawn).all()
 
 
 N = np.arange(20)
@@ -263,10 +295,12 @@ WITHOUT_JUMPS = {
 
 
 @pytest.mark.parametrize("values", WITHOUT_JUMPS.values(), ids=WITHOUT_JUMPS)
-def test_steepness_round_off_and_trifles_are_no_jumps(values):
+def test_steepness_round_off_and_trifles_do_not_break_a_curve(values):
+    """The values are a function without a jump; all of them are drawn."""
     picture = plot.sweep(result_of(values), axes())
 
-    assert np.isfinite(picture.values.get_ydata()).all()
+    drawn = picture.values.get_ydata()
+    assert np.isfinite(drawn).all()
 
 
 def test_collisions_without_a_value_leave_a_gap():
@@ -275,11 +309,13 @@ def test_collisions_without_a_value_leave_a_gap():
 
     picture = plot.sweep(ri.sweep(family), axes())
 
-    x, e = finite_points(picture.theory)
     does_not_collide = velocities <= 0
-    assert np.array_equal(np.isnan(picture.values.get_ydata()), does_not_collide)
-    assert e == pytest.approx(np.full(e.shape, 0.5))
+    drawn = picture.values.get_ydata()
+    assert np.array_equal(np.isnan(drawn), does_not_collide)
+    x, e = finite_points(picture.theory)
     assert x.min() > 0
+    expected = np.full(e.shape, 0.5)  # the ratio of the lengths
+    assert e == pytest.approx(expected)
 
 
 def test_codes_of_a_status_are_words(swept):
@@ -304,8 +340,9 @@ def test_values_in_any_order_are_drawn_in_increasing_order():
 
     picture = plot.sweep(ri.sweep(family), axes())
 
-    assert picture.values.get_xdata() == pytest.approx([0.25, 0.5, 1.0, 2.0])
-    assert picture.values.get_ydata() == pytest.approx([0.25, 0.5, 1.0, 0.5])
+    lengths, restitutions = picture.values.get_data()
+    assert lengths == pytest.approx([0.25, 0.5, 1.0, 2.0])
+    assert restitutions == pytest.approx([0.25, 0.5, 1.0, 0.5])
 
 
 @pytest.mark.exhaustive
@@ -315,20 +352,23 @@ def test_cells_of_values_in_any_order_are_drawn_in_increasing_order():
 
     picture = plot.sweep(result, axes())
 
-    cells = np.asarray(picture.cells.get_array())
-    in_order = result.restitution[[3, 1, 2, 0]][:, [1, 2, 0]]
+    by_length = [3, 1, 2, 0]  # indices of UNORDERED_LENGTHS, smallest first
+    by_area = [1, 2, 0]
+    in_order = result.restitution[by_length][:, by_area]
+    cells = np.asarray(picture.cells.get_array())  # [area, length]
     assert cells == pytest.approx(in_order.T)
 
 
 def test_parameters_that_vary_together_are_named():
+    striker = rod(1.0, 1.0)
     alike = rod(np.linspace(0.1, 1, 5))
-    family = ri.System([rod(1.0, 1.0), alike, alike, alike, alike])
+    family = ri.System([striker, alike, alike, alike, alike])
 
-    picture = plot.sweep(ri.sweep(family), axes(), "velocity_after.4")
+    ax = plot.sweep(ri.sweep(family), axes(), "velocity_after.4").ax
 
     label = "length of rod 2 (m)\nwith length of rod 3 and 2 more"
-    assert picture.ax.get_xlabel() == label
-    assert picture.ax.get_ylabel() == "velocity of rod 5 after (m/s)"
+    assert ax.get_xlabel() == label
+    assert ax.get_ylabel() == "velocity of rod 5 after (m/s)"
 
 
 # Maps
@@ -348,36 +388,37 @@ bodies = [
 
 
 @pytest.mark.parametrize(
-    ("vary", "label"),
+    ("vary", "label", "first_value"),
     [
         (
             {"materials.bar.wave_speed": "4 km/s:6 km/s:3"},
             "wave speed of material bar (km/s)",
+            4.0,
         ),
         (
             {"L": "20cm:60cm:3", "bodies.0.length": "L", "bodies.1.length": "2.5*L"},
             "L (m)",
+            0.2,
         ),
         (
             {"n": "1,2,3", "bodies.0.length": "n*100mm", "bodies.1.length": "0.3*n"},
             "n",
+            1.0,
         ),
     ],
 )
-def test_an_axis_is_named_by_what_the_user_varied(vary, label):
+def test_an_axis_is_named_by_what_the_user_varied(vary, label, first_value):
+    """`first_value` is the first one of the axis, in the unit of its label."""
     case = varied_case(**vary)
     result = ri.sweep(case.system, workers=1)
 
-    picture = ri.plot.sweep(result, quantity="impulse.0", varied=case.varied)
-    of_system = ri.plot.sweep(result, quantity="impulse.0")
+    ax = ri.plot.sweep(result, quantity="impulse.0", varied=case.varied).ax
+    ax_of_system = ri.plot.sweep(result, quantity="impulse.0").ax
 
-    first_value = case.varied[0].values[0]
-    if "km" in label:  # the axis is in km/s
-        first_value /= 1e3
-    low, high = picture.ax.get_xlim()
-    assert picture.ax.get_xlabel() == label
-    assert of_system.ax.get_xlabel() != label
-    assert low < first_value < high
+    assert ax.get_xlabel() == label
+    assert ax_of_system.get_xlabel() != label
+    left, right = ax.get_xlim()
+    assert left < first_value < right
 
 
 def test_an_axis_that_no_body_of_the_family_has_is_named_by_its_path():
@@ -399,7 +440,7 @@ def test_what_is_no_list_of_what_varies_is_refused(varied):
         ri.plot.sweep(result, varied=varied)
 
 
-def test_something_else_behind_what_varies_is_refused():
+def test_something_else_after_what_varies_is_refused():
     case = varied_case(**{"bodies.0.length": "1:2:3"})
     result = ri.sweep(case.system, workers=1)
 
@@ -414,99 +455,129 @@ def map_picture(swept):
 
 
 def test_a_map_has_a_cell_for_each_collision(swept, map_picture):
+    cells = map_picture.cells
+    assert cells.get_rasterized()
+    values = np.asarray(cells.get_array())  # [area, length]
     restitution = swept["map"].restitution  # [length, area]
-    corners = np.asarray(map_picture.cells.get_coordinates())  # [area, length, (x, y)]
-    x = corners[0, :, 0]
-    y = corners[:, 0, 1]
-    # Both axes are logarithmic: borders are geometric means. Lengths have a ratio of
-    # 2**(1/4), so that the outer borders lie half of that beyond them.
+    assert values == pytest.approx(restitution.T)
+
+    corners = np.asarray(cells.get_coordinates())  # [area, length, (x, y)]
+    x = corners[0, :, 0]  # m, borders of the lengths
+    y = corners[:, 0, 1]  # mm^2, borders of the areas
+    left, *inner_borders, right = x
+    # Both axes are logarithmic: borders are geometric means.
     middles = np.sqrt(LENGTHS[:-1] * LENGTHS[1:])
-    assert np.asarray(map_picture.cells.get_array()) == pytest.approx(restitution.T)
-    assert x[1:-1] == pytest.approx(middles)
-    assert x[0] == pytest.approx(0.25 / 2**0.125)
-    assert x[-1] == pytest.approx(4 * 2**0.125)
-    assert np.sqrt(y[:-1] * y[1:]) == pytest.approx(AREAS * 1e6)
-    assert limits(map_picture) == pytest.approx((x[0], x[-1], y[0], y[-1]))
-    assert map_picture.cells.get_rasterized()
+    assert inner_borders == pytest.approx(middles)
+    # Lengths have a ratio of 2**(1/4): outer borders lie half of that beyond them.
+    assert left == pytest.approx(0.25 / 2**0.125)
+    assert right == pytest.approx(4 * 2**0.125)
+    middles_of_areas = np.sqrt(y[:-1] * y[1:])
+    assert middles_of_areas == pytest.approx(AREAS * 1e6)
+    outer_borders = (left, right, y[0], y[-1])
+    assert limits(map_picture) == pytest.approx(outer_borders)
 
 
 def test_a_map_of_few_collisions_has_a_tick_at_each_number():
     lengths = [0.25, 0.5, 0.75]  # m
     velocities = [1.0, 2.0, 3.0]  # m/s
-    family = ri.System([rod(column(lengths), np.array(velocities)), rod()])
+    striker = rod(column(lengths), np.array(velocities))
+    family = ri.System([striker, rod()])
 
-    picture = plot.sweep(ri.sweep(family), quantity="restitution")
+    ax = plot.sweep(ri.sweep(family), quantity="restitution").ax
 
-    assert picture.ax.get_xticks().tolist() == lengths
-    assert picture.ax.get_yticks().tolist() == velocities
+    assert ax.get_xticks().tolist() == lengths
+    assert ax.get_yticks().tolist() == velocities
 
 
 def test_a_map_of_many_collisions_or_of_neighbours_keeps_round_ticks():
     lengths = [0.31, 0.32, 0.93]  # m
     velocities = np.linspace(0.91, 4.03, 7)  # m/s
-    family = ri.System([rod(column(lengths), velocities), rod()])
+    striker = rod(column(lengths), velocities)
+    family = ri.System([striker, rod()])
 
-    picture = plot.sweep(ri.sweep(family), quantity="restitution")
+    ax = plot.sweep(ri.sweep(family), quantity="restitution").ax
 
-    assert 0.31 not in picture.ax.get_xticks()
-    assert 0.91 not in picture.ax.get_yticks()
+    assert lengths[0] not in ax.get_xticks()  # too near to the second length
+    assert velocities[0] not in ax.get_yticks()  # one of too many velocities
 
 
-def test_a_map_has_labels_with_units(map_picture):
-    assert map_picture.ax.get_xscale() == "log"
-    assert map_picture.ax.get_yscale() == "log"
-    assert map_picture.ax.get_xlabel() == "length of rod 1 (m)"
-    assert map_picture.ax.get_ylabel() == "area of rod 2 (mm²)"
-    assert map_picture.colour_bar.ax.get_ylabel() == "coefficient of restitution e"
+def test_a_map_has_logarithmic_axes_and_labels_with_units(map_picture):
+    ax = map_picture.ax
+    colour_bar = map_picture.colour_bar.ax
+    assert ax.get_xscale() == "log"
+    assert ax.get_yscale() == "log"
+    assert ax.get_xlabel() == "length of rod 1 (m)"
+    assert ax.get_ylabel() == "area of rod 2 (mm²)"
+    assert colour_bar.get_ylabel() == "coefficient of restitution e"
+
+
+def first_path(lines):
+    """Arrays x and y of the first path of a collection of lines."""
+    return lines.get_paths()[0].vertices.T
 
 
 def test_lines_of_equal_times_and_impedances_cross_the_map(map_picture):
-    # Points [point, (m, mm^2)]
-    times, impedances = [lines.get_paths()[0].vertices for lines in map_picture.theory]
-    assert times[:, 0] == pytest.approx(1.0)
-    assert np.ptp(times[:, 1]) == pytest.approx(500 - 20)
-    assert impedances[:, 1] == pytest.approx(100.0)
-    assert np.ptp(impedances[:, 0]) == pytest.approx(4 - 0.25)
+    """Both rods are equal at 1 m and at 100 mm^2; the map is 0.25 to 4 m by 20 to 500."""
+    equal_times, equal_impedances = map_picture.theory
+    lengths, areas = first_path(equal_times)  # m, mm^2
+    assert lengths == pytest.approx(1.0)
+    assert np.ptp(areas) == pytest.approx(500 - 20)
+    lengths, areas = first_path(equal_impedances)
+    assert areas == pytest.approx(100.0)
+    assert np.ptp(lengths) == pytest.approx(4 - 0.25)
     assert legend(map_picture) == ["equal transit times: e = 1", "equal impedances"]
 
 
 @pytest.mark.parametrize("name", ["left wall", "heads"])
-def test_systems_without_such_lines_have_none(swept, name):
-    assert plot.sweep(swept[name], axes()).theory == []
+def test_systems_without_lines_of_equal_times_or_impedances_have_none(swept, name):
+    picture = plot.sweep(swept[name], axes())
+
+    assert picture.theory == []
 
 
 def test_lines_that_do_not_cross_the_map_are_not_drawn():
-    thicker = swept_map([0.2, 0.5, 0.8], rod(area=[2e-4, 3e-4]))
+    """All strikers are shorter, and all struck rods thicker, than the other rod."""
+    thicker = rod(area=[2e-4, 3e-4])
+    result = swept_map([0.2, 0.5, 0.8], thicker)
 
-    assert plot.sweep(thicker, axes()).theory == []
+    picture = plot.sweep(result, axes())
+
+    assert picture.theory == []
 
 
 def test_no_line_is_drawn_between_lengths_that_differ_by_round_off():
     lengths = np.linspace(0.1, 2, 20)
-    round_off = 3e-16 * (np.arange(20) % 3 - 1)
-    almost = lengths * (1 + round_off)
-    twins = swept_map(lengths, rod(column(almost), area=[2e-4, 3e-4]))
+    signs = np.arange(20) % 3 - 1  # -1, 0, 1 in turn
+    almost_equal_lengths = lengths * (1 + 3e-16 * signs)
+    struck = rod(column(almost_equal_lengths), area=[2e-4, 3e-4])
+    result = swept_map(lengths, struck)
 
-    assert plot.sweep(twins, axes()).theory == []
+    picture = plot.sweep(result, axes())
+
+    assert picture.theory == []
 
 
 def test_lines_end_where_nothing_collides(swept):
-    (times,) = plot.sweep(swept["speeds"], axes()).theory
+    """The velocities are -1, -0.5, 0, 0.5 ... 2 m/s: 0.5 is the first that collides."""
+    (equal_times,) = plot.sweep(swept["speeds"], axes()).theory
 
-    velocities = times.get_paths()[0].vertices[:, 1]
+    _, velocities = first_path(equal_times)
     assert velocities.min() == pytest.approx(0.5)
 
 
 def test_contour_lines_of_e_are_those_of_l1_over_l2():
     lengths = np.linspace(0.05, 0.95, 40)
-    result = swept_map(lengths, rod(np.linspace(1, 2, 30)))
+    struck = rod(np.linspace(1, 2, 30))
+    result = swept_map(lengths, struck)
 
     picture = plot.sweep(result, axes())
 
-    assert list(picture.contours.levels) == pytest.approx([0.2, 0.4, 0.6, 0.8])
+    levels = list(picture.contours.levels)
+    assert levels == pytest.approx([0.2, 0.4, 0.6, 0.8])
     for level, path in contours_of(picture):
-        x, y = path.vertices.T
-        assert x / y == pytest.approx(np.full(x.shape, level), abs=1e-3)
+        first_length, second_length = path.vertices.T
+        expected = np.full(first_length.shape, level)
+        assert first_length / second_length == pytest.approx(expected, abs=1e-3)
     assert set(texts_of(picture.labels)) == {"0.2", "0.4", "0.6", "0.8"}
 
 
@@ -519,13 +590,15 @@ def test_contour_lines_of_the_duration_end_where_it_jumps():
 
     picture = plot.sweep(result, axes(), "duration.0")
 
-    assert picture.colour_bar.ax.get_ylabel() == "force duration (ms)"
-    assert picture.contours.levels.size
-    for level, path in contours_of(picture):
-        x, y = path.vertices.T
-        length = level * 1e-3 * C / 2
-        assert np.all(y > 100)
-        assert x == pytest.approx(np.full(x.shape, length), rel=0.02)
+    colour_bar = picture.colour_bar.ax
+    assert colour_bar.get_ylabel() == "force duration (ms)"
+    assert picture.contours.levels.size > 0
+    for duration, path in contours_of(picture):  # ms
+        drawn_lengths, drawn_areas = path.vertices.T  # m, mm^2
+        assert np.all(drawn_areas > 100)
+        length = duration * 1e-3 * C / 2
+        expected = np.full(drawn_lengths.shape, length)
+        assert drawn_lengths == pytest.approx(expected, rel=0.02)
 
 
 X = column(np.linspace(0, 1, 40))
@@ -534,6 +607,7 @@ NOISE = 1e-12 * np.random.default_rng(1).uniform(-1, 1, (40, 40))
 
 
 def test_no_contour_follows_a_plateau():
+    """Values are 1 over a wide band, in which noise would make contours at 1."""
     plateau = np.minimum(X + Y, 1)  # 1 over a wide band
     beyond = np.maximum(X + Y - 1.5, 0) * 2
 
@@ -544,13 +618,21 @@ def test_no_contour_follows_a_plateau():
 
 
 def test_no_contour_follows_a_ridge():
-    ridge = 1 - np.abs(X - 0.5) * (1 + Y) + NOISE  # up to 1 and a little more
+    """At the height of the ridge noise would make contours."""
+    ridge = 1 - np.abs(X - 0.5) * (1 + Y)
 
-    assert 0.8 <= max(levels_of(ridge)) < 1
+    highest = max(levels_of(ridge + NOISE))  # values reach a little above 1
+
+    assert 0.8 <= highest < 1
 
 
 def test_no_contour_follows_the_frame():
-    assert max(levels_of(1.005 * X + 0 * Y)) == 0.8
+    """A contour of 1.0 would lie 0.005 from the frame."""
+    slope = 1.005 * X + 0 * Y
+
+    highest = max(levels_of(slope))
+
+    assert highest == 0.8
 
 
 def test_a_constant_map_has_no_contours():
@@ -563,6 +645,7 @@ def test_a_constant_map_has_no_contours():
 
 @pytest.mark.exhaustive
 def test_colours_are_symmetric_where_signs_differ(swept):
+    """The velocity of the striker afterwards has both signs."""
     norm = plot.sweep(swept["map"], axes(), "velocity_after.0").cells.norm
 
     assert norm.vmin == -norm.vmax < 0
@@ -577,18 +660,23 @@ def test_colours_begin_at_the_smallest_value_of_one_sign(swept, map_picture):
 def test_counts_have_a_colour_each(swept):
     picture = plot.sweep(swept["heads"], axes(), "episodes.0")
 
+    cells = picture.cells
+    drawn_counts = cells.get_array()  # [area, length]
     counts = swept["heads"].episodes.T
-    assert picture.cells.get_array().tolist() == counts.tolist()
-    assert picture.cells.norm.boundaries.tolist() == [0.5, 1.5, 2.5]
+    assert drawn_counts.tolist() == counts.tolist()
+    boundaries = cells.norm.boundaries.tolist()
+    assert boundaries == [0.5, 1.5, 2.5]
     assert picture.contours is None
-    assert picture.ax.get_xlabel() == "length of segment 1 of rod 2 (m)"
-    assert picture.ax.get_ylabel() == "area of segment 1 of rod 2 (m²)"
+    ax = picture.ax
+    assert ax.get_xlabel() == "length of segment 1 of rod 2 (m)"
+    assert ax.get_ylabel() == "area of segment 1 of rod 2 (m²)"
 
 
 def test_one_count_has_a_colour(swept):
     picture = plot.sweep(swept["map"], axes(), "episodes.0")
 
-    assert picture.cells.norm.boundaries.tolist() == [0.5, 1.5]
+    boundaries = picture.cells.norm.boundaries.tolist()
+    assert boundaries == [0.5, 1.5]
     render(picture)
 
 
@@ -620,7 +708,9 @@ def test_every_quantity_of_every_family_is_drawn(swept, name):
 
 
 def rods_and_masses():
-    """Three masses between two rods, with each kind of number in laws and ends."""
+    """Three masses between two rods, with each kind of number in laws and ends; not
+    solved.
+    """
     mass = ri.RigidMass(1.0)
     contacts = [
         ri.SpringDashpot(1e8, 1e3),
@@ -784,28 +874,32 @@ def test_a_quantity_without_values_is_refused(swept, name):
 
 @pytest.mark.parametrize("lengths", [0.4, [0.4]])
 def test_families_without_axis_are_refused(lengths):
-    result = ri.sweep(ri.System([rod(lengths, 1.0), rod()]))
+    family = ri.System([rod(lengths, 1.0), rod()])
+    result = ri.sweep(family)
 
     with pytest.raises(ValueError, match=r"one axis and a map two; give an array"):
         plot.sweep(result, axes())
 
 
 def test_a_family_of_three_axes_is_refused_and_a_member_is_drawn():
-    lengths = np.array([0.3, 0.4])[:, None, None]
+    lengths = np.reshape([0.3, 0.4], (2, 1, 1))
     velocities = column([1.0, 2.0])
-    cube = ri.System([rod(lengths, velocities), rod(area=[1e-4, 2e-4])])
+    areas = [1e-4, 2e-4]
+    cube = ri.System([rod(lengths, velocities), rod(area=areas)])
 
     with pytest.raises(ValueError, match=r"shape \(2, 2, 2\).*system\[0\]"):
         plot.sweep(ri.sweep(cube), axes())
     picture = plot.sweep(ri.sweep(cube[0]), axes())
 
-    assert picture.cells.get_array().shape == (2, 2)
+    cells = picture.cells.get_array()
+    assert cells.shape == (2, 2)
 
 
 @pytest.mark.exhaustive
 def test_many_cells_make_a_small_file_with_the_same_bytes_every_time(tmp_path):
     x = np.linspace(0, 1, 500)
-    result = result_of(np.hypot(column(x), np.sin(5 * x)))
+    values = np.hypot(column(x), np.sin(5 * x))
+    result = result_of(values)
 
     file = vector_file(lambda: plot.sweep(result), tmp_path)
 
@@ -819,10 +913,11 @@ def test_a_text_in_place_of_the_axes_is_refused_with_the_name_of_its_argument():
     with pytest.raises(ri.InvalidModel) as refused:
         ri.plot.sweep(family, "duration.0")
 
-    assert str(refused.value) == (
+    message = (
         "ax: must be an Axes, got 'duration.0'; give the text by name, "
         "quantity='duration.0'"
     )
+    assert str(refused.value) == message
 
 
 def test_a_text_in_place_of_the_axes_is_refused_by_every_figure():

@@ -54,13 +54,14 @@ def test_stated_errors_of_a_damped_rod_on_a_wall_bound_the_true_ones(seed):
 
 @pytest.fixture(scope="module")
 def hertz_row():
-    """A rod that strikes its like at 0.5 m/s through a Hertz contact."""
+    """A rod that strikes its like at 0.5 m/s through a Hertz contact; not solved."""
     bodies = [unit_rod(velocity=0.5), unit_rod()]
     return ri.System(bodies, contacts=[ri.Hertz(2.0)])
 
 
 @pytest.fixture(scope="module")
 def hertz_solution(hertz_row):
+    """The solution of `hertz_row` on a grid, until 2 s."""
     return ri.solve(hertz_row, 2.0, METHOD)
 
 

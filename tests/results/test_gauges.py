@@ -149,6 +149,7 @@ def test_names_of_many_languages_are_columns(tmp_path, bars):
 
 
 def test_a_gauge_answers_at_both_ends_of_its_record(bars):
+    """Strains at the first and the last time are the first and the last one recorded."""
     record = bars.gauge(1, 0.5)
     strains = record.strain_at([0.0, record.end])
     assert strains.tolist() == [record.strain[0], record.strain[-1]]

@@ -232,6 +232,9 @@ def test_a_bar_without_end_that_a_wall_pushes_stays_at_the_wall(impedances, mirr
 
 
 def test_a_restitution_of_round_off_is_0_and_a_small_one_stays():
+    """`parting` is the relative velocity afterwards, of six members that close at 1
+    m/s.
+    """
     parting = np.array([-1e-3, -6e-14, 0.0, 6e-14, 5e-12, 0.4])  # m/s
     before = (np.ones(6), np.zeros(6))  # they close at 1 m/s
     after = (np.zeros(6), parting)
@@ -260,6 +263,7 @@ def test_bodies_that_have_not_parted_have_no_restitution():
 
 
 def test_the_film_backwards_has_the_inverse_restitution_and_releases_vibration():
+    """The state at the end of a collision is turned round in time and solved."""
     e = 0.5  # of a rod that strikes one twice as long: the ratio of the lengths
     striker = rod(1.0, 1.0, velocity=1.0)
     struck = rod(1.0, 2.0)

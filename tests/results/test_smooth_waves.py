@@ -73,8 +73,8 @@ def solution_from_waves(system, right_going, left_going, end):
 
 
 @pytest.fixture(scope="module")
-def struck():
-    """A mass that strikes a rod: the velocity of its face falls as exp(-Z t/M)."""
+def struck_solution():
+    """The solution of a mass that strikes a rod: its velocity falls as exp(-Z t/M)."""
     system = ri.System([ri.RigidMass(MASS, velocity=SPEED), ROD])
     return ri.solve(system, 3.5, "characteristics", rtol=1e-12)
 
@@ -85,9 +85,9 @@ LEFT_MARKS = [-2.0, -1.4, -0.7, 0.5, 2.0, 2.9, 3.3, 4.1, 5.0, 5.9]
 
 
 @pytest.fixture(scope="module")
-def vibrating():
-    """A rod with free ends in free fall: each wave turns back as the other one, with
-    its jump.
+def vibrating_solution():
+    """The solution of a rod with free ends in free fall: each wave turns back as the
+    other one, with its jump.
     """
     right_going = pieces_of(shape, RIGHT_MARKS)
     left_going = pieces_of(lambda t: shape(t + T), LEFT_MARKS)
@@ -165,23 +165,24 @@ FIELDS = {"velocity": velocity, "strain": strain}
 
 
 @pytest.mark.parametrize("field", FIELDS)
-def test_velocity_and_strain_are_sums_of_waves(vibrating, field):
+def test_velocity_and_strain_are_sums_of_waves(vibrating_solution, field):
+    """Values at 500 random points are compared with formulas, away from jumps."""
     rng = np.random.default_rng(1)
     x = rng.uniform(0, 2, 500)
     t = rng.uniform(0, 5.5, 500)
     away = is_away_from_jumps(x, t)
-    values_at = getattr(vibrating, field)
+    values_at = getattr(vibrating_solution, field)
     values = values_at(0, x, t)
     expected = FIELDS[field](x, t)
     assert values[away] == pytest.approx(expected[away], abs=1e-11)
 
 
 @pytest.mark.parametrize("field", FIELDS)
-def test_places_and_times_broadcast_to_values_of_each_alone(vibrating, field):
+def test_places_and_times_broadcast_to_values_of_each_alone(vibrating_solution, field):
     rng = np.random.default_rng(1)
     x = np.sort(rng.uniform(0, 2, 12))
     t = np.sort(rng.uniform(0, 5.5, 10))
-    values_at = getattr(vibrating, field)
+    values_at = getattr(vibrating_solution, field)
     one_by_one = np.empty((12, 10))
     for i in range(12):
         for j in range(10):
@@ -190,14 +191,14 @@ def test_places_and_times_broadcast_to_values_of_each_alone(vibrating, field):
     assert values == pytest.approx(one_by_one, abs=1e-14)
 
 
-def test_a_velocity_that_jumps_has_two_sides(vibrating):
+def test_a_velocity_that_jumps_has_two_sides(vibrating_solution):
     """At a free end the wave that arrives leaves it at once: both are `shape`, of which
     each side of its jump has a formula.
     """
     t = 1.3
     common = DRIFT + FALL * t
-    before = vibrating.velocity(0, 0.0, t, side="left")
-    after = vibrating.velocity(0, 0.0, t)
+    before = vibrating_solution.velocity(0, 0.0, t, side="left")
+    after = vibrating_solution.velocity(0, 0.0, t)
     wave_before = np.sin(VIBRATION * t)
     wave_after = 0.5 * (t - 2.5) ** 3
     assert before == pytest.approx(wave_before + common)
@@ -205,11 +206,13 @@ def test_a_velocity_that_jumps_has_two_sides(vibrating):
 
 
 @pytest.mark.parametrize(("x", "t"), [(0.0, 5.5), (0.4, 0.0), (1.1, 2.35), (2.0, 4.9)])
-def test_displacement_is_the_integral_of_velocity_and_of_strain(vibrating, x, t):
+def test_displacement_is_the_integral_of_velocity_and_of_strain(
+    vibrating_solution, x, t
+):
     moved = integral(lambda t: velocity(x, t), 0.0, t, jumps_in_time(x))
     stretch = integral(lambda x: strain(x, 0.0), 0.0, x, jumps_along(0.0))
     expected = moved + stretch
-    displacement = vibrating.displacement(0, x, t)
+    displacement = vibrating_solution.displacement(0, x, t)
     assert displacement == pytest.approx(expected, abs=1e-11)
 
 
@@ -226,45 +229,47 @@ def mean_along_rod(t):
     return integral_along_rod(lambda x: velocity(x, t), t) / LENGTH
 
 
-def test_the_mean_velocity_is_that_along_the_rod(vibrating):
+def test_the_mean_velocity_is_that_along_the_rod(vibrating_solution):
     expected = mean_along_rod(SOME_TIME)
-    mean = vibrating.mean_velocity(0, SOME_TIME)
+    mean = vibrating_solution.mean_velocity(0, SOME_TIME)
     assert mean == pytest.approx(expected, abs=1e-11)
 
 
-def test_the_mean_velocity_grows_by_the_fall(vibrating):
+def test_the_mean_velocity_grows_by_the_fall(vibrating_solution):
+    """Without gravity times time it is constant."""
     times = np.array([0.0, SOME_TIME, 5.5])
-    mean = vibrating.mean_velocity(0, times)
+    mean = vibrating_solution.mean_velocity(0, times)
     without_fall = mean - FALL * times
     assert without_fall == pytest.approx(mean[0], abs=1e-11)
 
 
-def test_energies_are_integrals_along_the_rod(vibrating):
+def test_energies_are_integrals_along_the_rod(vibrating_solution):
     t = SOME_TIME
     mean = mean_along_rod(t)
     # The mass per length and E A are 1.
     kinetic = integral_along_rod(lambda x: (velocity(x, t) - mean) ** 2 / 2, t)
     elastic = integral_along_rod(lambda x: strain(x, t) ** 2 / 2, t)
 
-    energy = vibrating.energy(t)
+    energy = vibrating_solution.energy(t)
 
     assert energy.vibrational_kinetic == pytest.approx(kinetic, abs=1e-11)
     assert energy.strain == pytest.approx(elastic, abs=1e-11)
 
 
-def test_the_energy_balance_of_the_rod_closes(vibrating):
+def test_the_energy_balance_of_the_rod_closes(vibrating_solution):
     times = np.linspace(0, 5.5, 20)
-    residuals = vibrating.energy(times).residual
+    residuals = vibrating_solution.energy(times).residual
     assert residuals == pytest.approx(0.0, abs=1e-11)
-    assert vibrating.outcome.energy_residual == pytest.approx(0.0, abs=1e-11)
+    assert vibrating_solution.outcome.energy_residual == pytest.approx(0.0, abs=1e-11)
 
 
 GAUGE = 0.45  # place of the gauge, m
 
 
 @pytest.fixture(scope="module")
-def gauge(vibrating):
-    return vibrating.gauge(0, GAUGE)
+def gauge(vibrating_solution):
+    """The record of a gauge on the rod that vibrates."""
+    return vibrating_solution.gauge(0, GAUGE)
 
 
 def times_away_from_jumps():
@@ -273,11 +278,13 @@ def times_away_from_jumps():
     return t[is_away_from_jumps(GAUGE, t)]
 
 
-def test_a_gauge_follows_the_fields_and_its_waves_add_to_its_strain(vibrating, gauge):
+def test_a_gauge_follows_the_fields_and_its_waves_add_to_its_strain(
+    vibrating_solution, gauge
+):
     t = times_away_from_jumps()
     expected_strain = strain(GAUGE, t)
     sum_of_waves = gauge.rightward + gauge.leftward
-    expected_velocity = vibrating.velocity(0, GAUGE, gauge.times)
+    expected_velocity = vibrating_solution.velocity(0, GAUGE, gauge.times)
     assert gauge.strain_at(t) == pytest.approx(expected_strain, abs=1e-11)
     assert gauge.strain == pytest.approx(sum_of_waves, abs=1e-14)
     assert gauge.velocity == pytest.approx(expected_velocity, abs=1e-11)
@@ -297,15 +304,18 @@ def test_straight_lines_between_times_of_a_gauge_follow_its_field(gauge, field):
     assert len(gauge.times) < 3000  # in 21 pieces of two waves
 
 
-def test_the_strain_rate_of_a_gauge_leads_to_its_next_strain(vibrating, gauge):
+def test_the_strain_rate_of_a_gauge_leads_to_its_next_strain(vibrating_solution, gauge):
+    """Strain after a time plus rate times interval is the strain before the next time."""
     changes = gauge.strain_rate[:-1] * np.diff(gauge.times)
-    before_jumps = vibrating.strain(0, GAUGE, gauge.times[1:], side="left")
+    before_jumps = vibrating_solution.strain(0, GAUGE, gauge.times[1:], side="left")
     reached = gauge.strain_after[:-1] + changes
     assert reached == pytest.approx(before_jumps, abs=1e-6)
 
 
 @pytest.mark.parametrize("field", FIELDS)
-def test_averages_of_a_system_at_a_time_are_those_of_the_state(vibrating, field):
+def test_averages_of_a_system_at_a_time_are_those_of_the_state(
+    vibrating_solution, field
+):
     """Over 200 parts of the rod, and over all of it."""
     t = 2.2
     edges = np.linspace(0.0, LENGTH, 201)
@@ -314,7 +324,7 @@ def test_averages_of_a_system_at_a_time_are_those_of_the_state(vibrating, field)
     def exact(x):
         return FIELDS[field](x, t)
 
-    (rod,) = vibrating.system_at(t).bodies
+    (rod,) = vibrating_solution.system_at(t).bodies
     profile = getattr(rod, field)
     means = averages(profile, edges, LENGTH)
 
@@ -358,18 +368,20 @@ def speed(t):
 TIMES = np.linspace(0.0, 3.5, 50)
 
 
-def test_force_impulse_and_work_of_a_contact_are_those_of_a_dashpot(struck):
+def test_force_impulse_and_work_of_a_contact_are_those_of_a_dashpot(struck_solution):
     """The rod is a dashpot for the mass; a rigid contact takes no energy."""
     force = Z * speed(TIMES)
     impulse = MASS * (SPEED - speed(TIMES))
-    contact = struck.contacts[0]
+    contact = struck_solution.contacts[0]
     assert contact.force(TIMES) == pytest.approx(force, abs=1e-12)
     assert contact.impulse_until(TIMES) == pytest.approx(impulse, abs=1e-12)
     assert contact.work_until(TIMES) == pytest.approx(0.0, abs=1e-12)
 
 
-def test_straight_lines_between_breakpoints_follow_the_force_and_gaps_are_0(struck):
-    times, force, gap = struck.contacts[0].breakpoints()
+def test_straight_lines_between_breakpoints_follow_the_force_and_gaps_are_0(
+    struck_solution,
+):
+    times, force, gap = struck_solution.contacts[0].breakpoints()
     between = np.linspace(0.0, 3.5, 1000)
     lines = np.interp(between, times, force)
     expected = Z * speed(between)
@@ -377,29 +389,31 @@ def test_straight_lines_between_breakpoints_follow_the_force_and_gaps_are_0(stru
     assert np.all(gap == 0)
 
 
-def test_a_mass_and_the_end_of_the_rod_move_as_one_and_a_state_has_its_velocity(struck):
+def test_a_mass_and_the_end_of_the_rod_move_as_one_and_a_state_has_its_velocity(
+    struck_solution,
+):
     moved = MASS * (SPEED - speed(TIMES)) / Z  # the integral of the velocity
-    velocity_of_mass = struck.velocity(0, 0.0, TIMES)
-    displacement_of_mass = struck.displacement(0, 0.0, TIMES)
-    displacement_of_end = struck.displacement(1, 0.0, TIMES)
-    mass = struck.system_at(1.0).bodies[0]
+    velocity_of_mass = struck_solution.velocity(0, 0.0, TIMES)
+    displacement_of_mass = struck_solution.displacement(0, 0.0, TIMES)
+    displacement_of_end = struck_solution.displacement(1, 0.0, TIMES)
+    mass = struck_solution.system_at(1.0).bodies[0]
     assert velocity_of_mass == pytest.approx(speed(TIMES), abs=1e-12)
     assert displacement_of_mass == pytest.approx(moved, abs=1e-12)
     assert displacement_of_end == pytest.approx(moved, abs=1e-12)
     assert mass.velocity == pytest.approx(speed(1.0), abs=1e-12)
 
 
-def test_energy_and_momentum_of_a_mass_and_a_rod_are_kept(struck):
-    energy = struck.energy(TIMES)
+def test_energy_and_momentum_of_a_mass_and_a_rod_are_kept(struck_solution):
+    energy = struck_solution.energy(TIMES)
     energy_of_mass = MASS * SPEED**2 / 2
     assert energy.total == pytest.approx(energy_of_mass, abs=1e-11)
     assert energy.residual == pytest.approx(0.0, abs=1e-11)
-    assert struck.outcome.momentum_residual == pytest.approx(0.0, abs=1e-12)
+    assert struck_solution.outcome.momentum_residual == pytest.approx(0.0, abs=1e-12)
 
 
-def test_there_are_no_regions_of_constant_state(struck):
+def test_there_are_no_regions_of_constant_state(struck_solution):
     with pytest.raises(ValueError, match="no fronts to draw between"):
-        ri.regions_of(struck)
+        ri.regions_of(struck_solution)
 
 
 def test_a_run_without_duration_has_the_velocities_that_were_given():

@@ -21,8 +21,9 @@ C = steel.wave_speed
 
 
 @pytest.fixture(scope="module")
-def unequal():
-    """A rod of 0.4 m that strikes one of 1 m of the same section at 1 m/s.
+def box_solution():
+    """The solution of a rod of 0.4 m that strikes one of 1 m of the same section at 1
+    m/s.
 
     Its force is the "box" of theory: constant while the wave runs through the striker
     and back.
@@ -33,9 +34,9 @@ def unequal():
 
 
 @pytest.fixture(scope="module")
-def mixed():
-    """A moving wall, and rods of 0.4, 0.8 and 0.25 m; that of 0.8 m has two segments
-    and steps of initial velocity and strain.
+def mixed_solution():
+    """The solution of a moving wall and rods of 0.4, 0.8 and 0.25 m; the rod of 0.8 m
+    has two segments and steps of initial velocity and strain.
     """
     thin = ri.Segment(0.3, 1e-4, steel)
     thick = ri.Segment(0.5, 2e-4, aluminium)
@@ -58,8 +59,9 @@ def test_lengths_too_far_apart_are_refused():
         ri.collide(short, rod(1.0))
 
 
-def test_the_outcome_of_the_box(unequal):
-    outcome = unequal.outcome
+def test_the_outcome_of_the_box(box_solution):
+    """The striker is at rest afterwards, and the struck rod has e times its velocity."""
+    outcome = box_solution.outcome
     e = 0.4  # the ratio of the lengths
     striker_mass, struck_mass = outcome.masses
     energy_before = striker_mass * 1.0**2 / 2
@@ -70,11 +72,11 @@ def test_the_outcome_of_the_box(unequal):
     assert vibration_after == pytest.approx(vibration, rel=1e-13)
 
 
-def test_the_contact_of_the_box(unequal):
+def test_the_contact_of_the_box(box_solution):
     force_end = 2 * 0.4 / C  # the wave has run through the striker and back
     opening = 2 * 1.0 / C  # the wave has run through the struck rod and back
     force = steel.density * C * 1e-4 / 2  # rho c A v/2, N
-    (contact,) = unequal.contacts
+    (contact,) = box_solution.contacts
     (episode,) = contact.episodes
     assert episode == pytest.approx((0.0, force_end, opening), rel=1e-14)
     assert contact.force(force_end / 2) == pytest.approx(force)
@@ -85,52 +87,55 @@ def test_the_contact_of_the_box(unequal):
     assert gap == pytest.approx(1e-6)
 
 
-def test_the_box_is_final_at_opening_and_proved_so_as_the_force_ends(unequal):
+def test_the_box_is_final_at_opening_and_proved_so_as_the_force_ends(box_solution):
+    """`t_final` is the opening, `t_proved` the end of the force, and the run ends one
+    round trip after the proof.
+    """
     force_end = 2 * 0.4 / C  # the wave has run through the striker and back
     round_trip = 2 * 1.0 / C  # in the struck rod; a run goes on for it after its proof
-    assert unequal.final
-    assert unequal.stopped_by == "final"
-    assert unequal.t_final == unequal.contacts[0].episodes[0].opening
-    assert unequal.t_proved == pytest.approx(force_end)
-    assert unequal.t_end == pytest.approx(force_end + round_trip)
+    assert box_solution.final
+    assert box_solution.stopped_by == "final"
+    assert box_solution.t_final == box_solution.contacts[0].episodes[0].opening
+    assert box_solution.t_proved == pytest.approx(force_end)
+    assert box_solution.t_end == pytest.approx(force_end + round_trip)
 
 
-def test_fields_of_the_box(unequal):
+def test_fields_of_the_box(box_solution):
     t = 0.2 / C  # the waves are 0.2 m from the contact, at x = 0.2 m of either rod
     x = [0.1, 0.3]
-    in_striker = unequal.velocity(0, x, t)
-    in_struck = unequal.velocity(1, x, t)
+    in_striker = box_solution.velocity(0, x, t)
+    in_struck = box_solution.velocity(1, x, t)
     assert in_striker.tolist() == [1.0, 0.5]
     assert in_struck.tolist() == [0.5, 0.0]
     stress = -steel.density * C / 2  # rho c v/2, Pa
-    force = unequal.contacts[0].force(t)
-    assert unequal.stress(1, 0.1, t) == pytest.approx(stress)
-    assert unequal.axial_force(1, 0.1, t) == pytest.approx(-force)
-    before_front = unequal.velocity(1, 0.2, t, side="left")
-    behind_front = unequal.velocity(1, 0.2, t)
+    force = box_solution.contacts[0].force(t)
+    assert box_solution.stress(1, 0.1, t) == pytest.approx(stress)
+    assert box_solution.axial_force(1, 0.1, t) == pytest.approx(-force)
+    before_front = box_solution.velocity(1, 0.2, t, side="left")
+    behind_front = box_solution.velocity(1, 0.2, t)
     assert before_front == 0.0
     assert behind_front == 0.5
 
 
-def test_displacements_of_the_box(unequal):
+def test_displacements_of_the_box(box_solution):
     t = 0.2 / C
     transit = 0.4 / C  # of the striker
-    beside_contact = unequal.displacement(1, 0.0, t)
-    far_end = unequal.displacement(0, 0.0, transit)
-    mean_velocity = unequal.mean_velocity(1, transit)
+    beside_contact = box_solution.displacement(1, 0.0, t)
+    far_end = box_solution.displacement(0, 0.0, transit)
+    mean_velocity = box_solution.mean_velocity(1, transit)
     assert beside_contact == pytest.approx(0.5 * t)
     assert far_end == pytest.approx(1.0 * transit)  # the wave has just come there
     # By then 0.4 m of the struck rod, of 1 m, move at 0.5 m/s.
     assert mean_velocity == pytest.approx(0.4 * 0.5)
 
 
-PLACES_IN_STEPPED = np.linspace(0, 0.8, 41)  # in body 2 of `mixed`, m
+PLACES_IN_STEPPED = np.linspace(0, 0.8, 41)  # in body 2 of `mixed_solution`, m
 TIMES_OF_MIXED = np.linspace(0, 1e-3, 57)  # from its begin to its end, s
 
 
 @pytest.mark.parametrize("transposed", [False, True])
 @pytest.mark.parametrize("compiling", [False, True])
-def test_grids_and_points_agree_bit_for_bit(mixed, compiling, transposed):
+def test_grids_and_points_agree_bit_for_bit(mixed_solution, compiling, transposed):
     """A grid of places and times is read in another way than as many single points."""
     if transposed:
         x = PLACES_IN_STEPPED[None, :]
@@ -139,39 +144,40 @@ def test_grids_and_points_agree_bit_for_bit(mixed, compiling, transposed):
         x = PLACES_IN_STEPPED[:, None]
         t = TIMES_OF_MIXED[None, :]
     all_x, all_t = np.broadcast_arrays(x, t)
-    at_points = mixed.velocity(2, all_x.ravel(), all_t.ravel())
+    at_points = mixed_solution.velocity(2, all_x.ravel(), all_t.ravel())
 
     with kernels.forced(compiling):
-        velocity = mixed.velocity(2, x, t)
-        strain = mixed.strain(2, x, t)
+        velocity = mixed_solution.velocity(2, x, t)
+        strain = mixed_solution.strain(2, x, t)
 
     assert np.array_equal(velocity.ravel(), at_points)
     assert strain.shape == velocity.shape
 
 
-def test_the_order_of_places_and_times_is_free(mixed):
+def test_the_order_of_places_and_times_is_free(mixed_solution):
+    """Positions or times in reverse give the same values in reverse."""
     x = PLACES_IN_STEPPED
     t = TIMES_OF_MIXED
-    velocity = mixed.velocity(2, x[:, None], t)
+    velocity = mixed_solution.velocity(2, x[:, None], t)
 
-    times_reversed = mixed.velocity(2, x[:, None], t[::-1].copy())
-    places_reversed = mixed.velocity(2, x[::-1, None], t)
+    times_reversed = mixed_solution.velocity(2, x[:, None], t[::-1].copy())
+    places_reversed = mixed_solution.velocity(2, x[::-1, None], t)
 
     assert np.array_equal(times_reversed, velocity[:, ::-1])
     assert np.array_equal(places_reversed, velocity[::-1])
 
 
-def test_walls_have_a_velocity_but_no_stress(mixed):
+def test_walls_have_a_velocity_but_no_stress(mixed_solution):
     wall = 0
     speed = 0.05  # m/s
     until = 1e-3  # s
-    mean_velocity = mixed.mean_velocity(wall, [0.0, until])
-    displacement = mixed.displacement(wall, 0.0, until)
-    assert mixed.velocity(wall, 0.0, 1e-4) == speed
+    mean_velocity = mixed_solution.mean_velocity(wall, [0.0, until])
+    displacement = mixed_solution.displacement(wall, 0.0, until)
+    assert mixed_solution.velocity(wall, 0.0, 1e-4) == speed
     assert mean_velocity.tolist() == [speed, speed]
     assert displacement == pytest.approx(speed * until)
     with pytest.raises(ValueError, match="wall"):
-        mixed.stress(wall, 0.0, 0.0)
+        mixed_solution.stress(wall, 0.0, 0.0)
 
 
 @pytest.mark.parametrize(
@@ -188,9 +194,9 @@ def test_walls_have_a_velocity_but_no_stress(mixed):
         (lambda s: s.system_at(2.0), "t:"),
     ],
 )
-def test_questions_outside_the_solution_are_refused(mixed, call, name):
+def test_questions_outside_the_solution_are_refused(mixed_solution, call, name):
     with pytest.raises(ValueError, match=name):
-        call(mixed)
+        call(mixed_solution)
 
 
 def polygon_area(x, t):
@@ -201,12 +207,12 @@ def polygon_area(x, t):
 
 
 @pytest.mark.parametrize(("body", "length"), [(1, 0.4), (2, 0.8), (3, 0.25)])
-def test_regions_tile_the_plane_and_agree_with_the_fields(mixed, body, length):
+def test_regions_tile_the_plane_and_agree_with_the_fields(mixed_solution, body, length):
     """The plane is that of places in a rod, of `length`, and times."""
     start = 1e-5
     stop = 2e-4
 
-    regions = regions_of(mixed, start, stop)
+    regions = regions_of(mixed_solution, start, stop)
 
     assert regions.t.min() == pytest.approx(start)
     assert regions.t.max() == pytest.approx(stop)
@@ -218,10 +224,10 @@ def test_regions_tile_the_plane_and_agree_with_the_fields(mixed, body, length):
         area += polygon_area(x, t)
         inside_x = x.mean()  # regions are convex
         inside_t = t.mean()
-        stress = mixed.stress(body, inside_x, inside_t)
-        displacement = mixed.displacement(body, x, t)
-        assert mixed.velocity(body, inside_x, inside_t) == regions.velocity[i]
-        assert mixed.strain(body, inside_x, inside_t) == regions.strain[i]
+        stress = mixed_solution.stress(body, inside_x, inside_t)
+        displacement = mixed_solution.displacement(body, x, t)
+        assert mixed_solution.velocity(body, inside_x, inside_t) == regions.velocity[i]
+        assert mixed_solution.strain(body, inside_x, inside_t) == regions.strain[i]
         assert stress == pytest.approx(regions.stress[i], rel=1e-14)
         of_regions = regions.displacement[corners]
         assert displacement == pytest.approx(of_regions, abs=1e-15)
@@ -230,25 +236,27 @@ def test_regions_tile_the_plane_and_agree_with_the_fields(mixed, body, length):
 
 
 @pytest.mark.parametrize("limit", [100, 8, 4])
-def test_a_run_is_halved_until_it_has_few_enough_regions_and_no_further(unequal, limit):
-    stop = readable_until(unequal, limit)
-    halvings = np.log2(unequal.t_end / stop)
-    count = len(regions_of(unequal, stop=stop))
+def test_a_run_is_halved_until_it_has_few_enough_regions_and_no_further(
+    box_solution, limit
+):
+    stop = readable_until(box_solution, limit)
+    halvings = np.log2(box_solution.t_end / stop)
+    count = len(regions_of(box_solution, stop=stop))
     assert halvings == round(halvings)
     assert count <= limit
     if halvings > 0:
-        count_of_longer = len(regions_of(unequal, stop=2 * stop))
+        count_of_longer = len(regions_of(box_solution, stop=2 * stop))
         assert count_of_longer > limit
 
 
-def test_more_regions_than_a_picture_shows_are_refused_with_the_number(unequal):
+def test_more_regions_than_a_picture_shows_are_refused_with_the_number(box_solution):
     with pytest.raises(ValueError, match=r"more than 1 regions .* fewer pieces"):
-        readable_until(unequal, 1)
+        readable_until(box_solution, 1)
 
 
-def test_a_gauge_separates_the_waves_and_has_the_fields_at_its_place(unequal):
+def test_a_gauge_separates_the_waves_and_has_the_fields_at_its_place(box_solution):
     x = 0.5
-    gauge = unequal.gauge(1, x)
+    gauge = box_solution.gauge(1, x)
     waves = gauge.rightward + gauge.leftward
     assert gauge.strain == pytest.approx(waves, abs=1e-20)
     # Its first change is the wave from the contact, of 0.5 m/s: v = -c strain.
@@ -259,15 +267,15 @@ def test_a_gauge_separates_the_waves_and_has_the_fields_at_its_place(unequal):
     assert gauge.rightward[1] == gauge.strain[1]
     assert gauge.leftward[1] == 0
     between = (gauge.times[:-1] + gauge.times[1:]) / 2
-    strain = unequal.strain(1, x, between)
-    velocity = unequal.velocity(1, x, between)
+    strain = box_solution.strain(1, x, between)
+    velocity = box_solution.velocity(1, x, between)
     assert np.array_equal(strain, gauge.strain[:-1])
     assert np.array_equal(velocity, gauge.velocity[:-1])
 
 
-def test_strains_of_a_gauge_are_written_exactly(unequal, tmp_path):
+def test_strains_of_a_gauge_are_written_exactly(box_solution, tmp_path):
     path = tmp_path / "gauge.csv"
-    gauge = unequal.gauge(1, 0.5)
+    gauge = box_solution.gauge(1, 0.5)
 
     gauge.to_csv(path)
 
@@ -277,6 +285,7 @@ def test_strains_of_a_gauge_are_written_exactly(unequal, tmp_path):
 
 
 def test_a_distant_wall_is_still_reached():
+    """A rod at 1 mm/s strikes a wall at a distance of 10 m."""
     speed = 1e-3  # m/s
     gap = 10.0  # m
     outcome = ri.collide(rod(0.3, speed), ri.Wall(), gap=gap)
@@ -321,9 +330,9 @@ print(*sorted(set(sys.modules) - before))
 
 
 @pytest.fixture(scope="module")
-def between_walls():
-    """A rod that rebounds between two walls, over so many ticks that a time in a float
-    does not tell one from the next.
+def rebounding_solution():
+    """The solution of a rod between two walls, over so many ticks that a time in a
+    float does not distinguish one from the next.
 
     The time of a jump must still have two sides.
     """
@@ -333,9 +342,9 @@ def between_walls():
     return solution
 
 
-def test_sides_of_forces_are_right_after_a_thousand_transits(between_walls):
+def test_sides_of_forces_are_right_after_a_thousand_transits(rebounding_solution):
     """The force begins and ends with a jump, of which each side is told."""
-    for contact in between_walls.contacts:
+    for contact in rebounding_solution.contacts:
         assert len(contact.episodes) > 100
         for episode in contact.episodes[:-1]:  # the end of the run may cut the last
             start = episode.start
@@ -346,15 +355,16 @@ def test_sides_of_forces_are_right_after_a_thousand_transits(between_walls):
             assert contact.force(end) == 0
 
 
-def test_sides_of_strains_are_right_after_a_thousand_transits(between_walls):
-    gauge = between_walls.gauge(1, 0.1)
-    after = between_walls.strain(1, 0.1, gauge.times)
-    before = between_walls.strain(1, 0.1, gauge.times[1:], side="left")
+def test_sides_of_strains_are_right_after_a_thousand_transits(rebounding_solution):
+    gauge = rebounding_solution.gauge(1, 0.1)
+    after = rebounding_solution.strain(1, 0.1, gauge.times)
+    before = rebounding_solution.strain(1, 0.1, gauge.times[1:], side="left")
     assert np.array_equal(after, gauge.strain)
     assert np.array_equal(before, gauge.strain[:-1])
 
 
 def test_bodies_that_move_apart_however_distant_are_final_as_they_are():
+    """They are 10 billion kilometres apart and keep their velocities."""
     bodies = [rod(0.4, velocity=-1.0), rod(1.0, velocity=1.0)]
     far = ri.System(bodies, gaps=[1e13])
     solution = ri.solve(far)
@@ -362,9 +372,9 @@ def test_bodies_that_move_apart_however_distant_are_final_as_they_are():
     assert solution.outcome.velocities_after == pytest.approx((-1.0, 1.0))
 
 
-def test_places_and_times_that_do_not_broadcast_are_named(unequal):
+def test_places_and_times_that_do_not_broadcast_are_named(box_solution):
     with pytest.raises(ValueError, match=r"x: shape \(2,\) does not broadcast"):
-        unequal.velocity(1, [0.1, 0.2], [0.0, 1e-5, 2e-5])
+        box_solution.velocity(1, [0.1, 0.2], [0.0, 1e-5, 2e-5])
 
 
 def sent(value):
@@ -396,10 +406,10 @@ TIMES = np.array([0.0, 1e-4, 1e-3])  # s
 
 
 @pytest.fixture(scope="module")
-def dataset(mixed):
-    """The bodies of `mixed` at the places `X` and `TIMES`, as xarray has them."""
+def dataset(mixed_solution):
+    """The bodies of `mixed_solution` at the places `X` and `TIMES`, as xarray has them."""
     pytest.importorskip("xarray")
-    return mixed.to_xarray(X, TIMES)
+    return mixed_solution.to_xarray(X, TIMES)
 
 
 @pytest.mark.parametrize(
@@ -414,7 +424,7 @@ def dataset(mixed):
     ],
 )
 def test_to_xarray_has_the_fields_of_the_solution_and_nan_outside_the_bodies(
-    mixed, dataset, field, places_in_wall
+    mixed_solution, dataset, field, places_in_wall
 ):
     values = dataset[field].transpose("body", "time", "x")
     # Of the places in X the rods, of 0.4, 0.8 and 0.25 m, have 3, 4 and 2.
@@ -422,13 +432,13 @@ def test_to_xarray_has_the_fields_of_the_solution_and_nan_outside_the_bodies(
     counts = np.isfinite(values).sum("x").values  # [body, time]
     for counts_at_time in counts.T:
         assert counts_at_time.tolist() == places_in_body
-    field_at = getattr(mixed, field)
+    field_at = getattr(mixed_solution, field)
     of_solution = field_at(2, X, TIMES[:, None])
     of_dataset = values.sel(body=2).values
     assert np.array_equal(of_dataset, of_solution)
 
 
-def test_to_xarray_has_kinds_gaps_mean_velocities_and_energies(mixed, dataset):
+def test_to_xarray_has_kinds_gaps_mean_velocities_and_energies(mixed_solution, dataset):
     sizes = {"body": 4, "x": 4, "time": 3, "contact": 3, "part": 14}
     kinds = dataset["kind"].values
     gap = dataset["gap"].sel(contact=1)
@@ -436,9 +446,9 @@ def test_to_xarray_has_kinds_gaps_mean_velocities_and_energies(mixed, dataset):
     strain_energy = dataset["energy"].sel(part="strain")
     assert dict(dataset.sizes) == sizes
     assert kinds.tolist() == ["wall", "rod", "rod", "rod"]
-    assert np.array_equal(gap, mixed.contacts[1].gap(TIMES))
-    assert np.array_equal(mean_velocity, mixed.mean_velocity(3, TIMES))
-    assert np.array_equal(strain_energy, mixed.energy(TIMES).strain)
+    assert np.array_equal(gap, mixed_solution.contacts[1].gap(TIMES))
+    assert np.array_equal(mean_velocity, mixed_solution.mean_velocity(3, TIMES))
+    assert np.array_equal(strain_energy, mixed_solution.energy(TIMES).strain)
 
 
 def test_to_xarray_names_every_variable_and_its_unit(dataset):
@@ -447,11 +457,11 @@ def test_to_xarray_names_every_variable_and_its_unit(dataset):
         assert {"long_name", "units"} <= set(variable.attrs)
 
 
-def test_to_xarray_refuses_places_beyond_all_bodies(mixed):
+def test_to_xarray_refuses_places_beyond_all_bodies(mixed_solution):
     pytest.importorskip("xarray")
     message = r"x\[1\]: must lie in a body, from 0 to 0.8 m, got 0.9"
     with pytest.raises(ValueError, match=message):
-        mixed.to_xarray([0.1, 0.9], TIMES)
+        mixed_solution.to_xarray([0.1, 0.9], TIMES)
 
 
 def test_in_xarray_masses_have_a_velocity_and_no_strain():
@@ -499,8 +509,8 @@ def test_the_effect_of_rounded_transits_is_stated(short, ratio):
     assert "Stated relative error: " in solution.status
 
 
-def test_no_error_is_stated_of_transits_that_are_exact(unequal):
-    assert unequal.accuracy == {}
+def test_no_error_is_stated_of_transits_that_are_exact(box_solution):
+    assert box_solution.accuracy == {}
 
 
 @pytest.mark.parametrize(
@@ -508,10 +518,10 @@ def test_no_error_is_stated_of_transits_that_are_exact(unequal):
     [("limit", {"limit": 3}), ("stop", {"start": 1e-5, "stop": 1e-5})],
 )
 def test_intervals_without_regions_or_with_too_many_are_refused(
-    unequal, name, interval
+    box_solution, name, interval
 ):
     with pytest.raises(ValueError, match=name):
-        regions_of(unequal, **interval)
+        regions_of(box_solution, **interval)
 
 
 def test_families_and_what_is_no_system_are_refused():

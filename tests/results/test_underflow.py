@@ -9,6 +9,7 @@ STEEL = ri.materials.steel
 
 
 def rod(length, velocity=0.0, **more):
+    """A round rod of steel, of 10 mm."""
     return ri.Rod(length, diameter=0.01, material=STEEL, velocity=velocity, **more)
 
 

@@ -97,7 +97,7 @@ def clock(monkeypatch):
 
 
 def family(costs):
-    """Members that are solved one by one; the length of a rod stands for its cost."""
+    """Members that are solved one by one; the length of a rod stands for its cost, s."""
     rod = ri.Rod(np.asarray(costs), area=1e-4, material=STEEL, velocity=1.0)
     return ri.System([rod, ri.Wall()])
 
@@ -117,12 +117,17 @@ def swept(costs, cluster, **options):
 def test_workers_end_together_though_the_last_tenth_takes_ten_times_as_long(
     clock, workers
 ):
-    seconds = np.append(np.full(900, 0.1), np.full(100, 1.0))
+    short = np.full(900, 0.1)  # s
+    long = np.full(100, 1.0)
+    seconds = np.append(short, long)
     cluster = Cluster(workers, len(seconds), clock)
+
     result = swept(seconds, cluster)
-    shortest_time = seconds.sum() / workers
+
     assert result.restitution.tolist() == seconds.tolist()
-    assert sum(cluster.durations) == pytest.approx(seconds.sum())
+    total = seconds.sum()
+    assert sum(cluster.durations) == pytest.approx(total)
+    shortest_time = total / workers  # if all workers end at the same time
     assert max(cluster.free) < 1.2 * shortest_time
 
 
@@ -168,7 +173,9 @@ def test_jobs_are_whole_rows_of_the_family_where_they_fit(
 
 
 def test_spans_are_cut_at_multiples_of_the_size():
-    assert list(jobs.cut([(3, 9), (12, 13)], 4)) == [(3, 4), (4, 8), (8, 9), (12, 13)]
+    spans = [(3, 9), (12, 13)]
+    parts = list(jobs.cut(spans, 4))
+    assert parts == [(3, 4), (4, 8), (8, 9), (12, 13)]
 
 
 def test_jobs_fill_a_checkpoint_that_others_go_on_with(clock, tmp_path):
@@ -179,8 +186,9 @@ def test_jobs_fill_a_checkpoint_that_others_go_on_with(clock, tmp_path):
         if done > 200:
             raise KeyboardInterrupt
 
+    first_cluster = Cluster(3, 500, clock)
     with pytest.raises(KeyboardInterrupt):
-        swept(seconds, Cluster(3, 500, clock), checkpoint=tmp_path, progress=interrupt)
+        swept(seconds, first_cluster, checkpoint=tmp_path, progress=interrupt)
     (part,) = tmp_path.iterdir()
     with np.load(part) as file:
         done = file["status"].size

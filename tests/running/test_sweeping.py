@@ -24,23 +24,32 @@ STEEL = ri.materials.steel
 
 
 def pair(lengths, areas, velocity=1.0):
-    """A striker of these lengths and a rod of 1 m of these areas; they broadcast."""
+    """A striker of these lengths and a rod of 1 m of these areas, which broadcast; not
+    solved.
+    """
     striker = ri.Rod(lengths, area=1e-4, material=STEEL, velocity=velocity)
-    return ri.System([striker, ri.Rod(1.0, area=areas, material=STEEL)])
+    struck = ri.Rod(1.0, area=areas, material=STEEL)
+    return ri.System([striker, struck])
 
 
 def small_map(n_lengths=7, n_areas=5):
-    """A family [length of the striker, area of the struck rod]."""
-    lengths = np.linspace(0.1, 1.3, n_lengths)[:, None]
+    """A family [length of the striker, area of the struck rod]; not solved."""
+    lengths = np.linspace(0.1, 1.3, n_lengths)[:, np.newaxis]
     areas = np.geomspace(2e-5, 8e-4, n_areas)
     return pair(lengths, areas)
 
 
 def have_same_bits(first, second):
-    """Whether all columns of two sweeps of one family are equal bit for bit."""
-    assert first.columns.keys() == second.columns.keys()
-    for name, column in first.columns.items():
-        if column.tobytes() != second.columns[name].tobytes():
+    """Whether all columns of two sweeps of one family are equal bit for bit.
+
+    They must have the same names.
+    """
+    first_columns = first.columns
+    second_columns = second.columns
+    assert first_columns.keys() == second_columns.keys()
+    for name, column in first_columns.items():
+        other_column = second_columns[name]
+        if column.tobytes() != other_column.tobytes():
             return False
     return True
 
@@ -87,8 +96,9 @@ def assert_same_totals(member, contacts):
     """Columns of a member are bit for bit the totals of the contacts of a run."""
     for k, contact in enumerate(contacts):
         for name in CONTACT_TOTALS:
+            total = member[f"{name}.{k}"]
             expected = getattr(contact, name)
-            assert np.array_equal(member[f"{name}.{k}"], expected, equal_nan=True)
+            assert np.array_equal(total, expected, equal_nan=True)
 
 
 def assert_same_vibration(member, outcome):
@@ -118,9 +128,11 @@ def test_restitution_and_impulse_of_a_map_equal_the_closed_form():
     result = ri.sweep(family)
 
     assert result.shape == (60, 50)
-    assert np.abs(result.restitution - exact.restitution).max() < 1e-11
     assert result.final.all()
-    assert set(result.status.ravel()) == {"final"}
+    statuses = set(result.status.ravel())
+    assert statuses == {"final"}
+    errors = np.abs(result.restitution - exact.restitution)
+    assert errors.max() < 1e-11
     np.testing.assert_allclose(result.impulse, exact.impulse, rtol=1e-11)
 
 
@@ -187,13 +199,15 @@ def test_bonds_and_joints_have_the_totals_of_single_runs(law, options):
 
     result = ri.sweep(family, **options)
 
-    assert (result.contacts[1].peak_force > 0).all()
+    peak_forces = result.contacts[1].peak_force  # of the contact that cannot open
+    assert (peak_forces > 0).all()
     assert_equal_to_one_at_a_time(result, **options)
 
 
 def mean_of(profile):
-    """Mean of a number, steps or samples."""
-    return float(np.mean(getattr(profile, "values", profile)))
+    """Mean of a number, or of the values of steps or samples."""
+    values = getattr(profile, "values", profile)
+    return float(np.mean(values))
 
 
 def family_of_network(seed):
@@ -241,11 +255,19 @@ def test_members_of_characteristics_equal_one_at_a_time_compiled_and_plain(seed)
     assert have_same_bits(plain, compiled)
 
 
-@pytest.mark.parametrize("most", [5, 8, 14])
-def test_members_of_any_chunk_are_those_of_the_family(monkeypatch, most):
-    monkeypatch.setattr("rodimpact.methods.fronts.families.MAX_MEMBERS_PER_CALL", most)
+MAX_MEMBERS_PER_CALL = "rodimpact.methods.fronts.families.MAX_MEMBERS_PER_CALL"
+
+
+@pytest.mark.parametrize("members", [5, 8, 14])
+def test_a_family_of_35_in_chunks_of_any_size_has_the_members_of_single_runs(
+    monkeypatch, members
+):
+    monkeypatch.setattr(MAX_MEMBERS_PER_CALL, members)
     monkeypatch.setattr("rodimpact.running.chunks.JOBS_A_WORKER", 1)
-    assert_equal_to_one_at_a_time(ri.sweep(small_map(), workers=1))
+
+    result = ri.sweep(small_map(), workers=1)
+
+    assert_equal_to_one_at_a_time(result)
 
 
 @pytest.mark.parametrize("method", ["fronts", "characteristics"])
@@ -257,10 +279,10 @@ def test_columns_are_the_same_bits_whatever_the_number_of_workers(method):
     for workers in (2, 3, 12):
         result = ri.sweep(family, method, workers=workers)
         assert have_same_bits(result, one_worker)
-    parts = [ri.sweep(family[i], method, workers=1) for i in range(6)]
+    rows = [ri.sweep(family[i], method, workers=1) for i in range(6)]
     for name, column in one_worker.columns.items():
-        columns = [part.columns[name] for part in parts]
-        assert np.array_equal(column, columns, equal_nan=True)
+        columns_of_rows = [row.columns[name] for row in rows]
+        assert np.array_equal(column, columns_of_rows, equal_nan=True)
 
 
 def test_a_long_member_goes_on_in_machine_code_to_the_same_bits(monkeypatch):
@@ -294,11 +316,17 @@ def test_a_long_member_goes_on_in_machine_code_to_the_same_bits(monkeypatch):
 
 def test_a_single_collision_is_a_family_without_axes():
     system = pair(0.4, 1e-4)
+    outcome = ri.solve(system).outcome
+
     result = ri.sweep(system)
+
     assert result.shape == ()
-    assert float(result.restitution) == ri.solve(system).outcome.restitution
     assert result.axes == ()
-    assert result.explain(()).startswith("The collision is final")
+    restitution = float(result.restitution)
+    assert restitution == outcome.restitution
+    only_member = ()  # its index
+    explanation = result.explain(only_member)
+    assert explanation.startswith("The collision is final")
 
 
 @pytest.mark.parametrize("is_compiled", [False, True])
@@ -357,16 +385,18 @@ def chain():
 def test_members_of_random_rows_equal_one_at_a_time(seed, until):
     system = random_family(seed, driven=until is not None)
     options = {"until": until, "max_events": 2000, "method": "fronts"}
-    with kernels.forced(seed % 4 != 0):
+    is_compiled = seed % 4 != 0  # one seed in four runs in plain Python
+    with kernels.forced(is_compiled):
         result = ri.sweep(system, **options)
     assert_equal_to_one_at_a_time(result, **options)
-    capped = result.status == "max_events"
-    assert result.incomplete.tolist() == capped.tolist()
+    is_capped = result.status == "max_events"
+    assert result.incomplete.tolist() == is_capped.tolist()
 
 
 def test_a_member_that_stops_early_keeps_what_is_known():
     result = ri.sweep(chain(), max_events=200)
-    assert result.status.tolist() == ["max_events"] * 3
+    statuses = result.status.tolist()
+    assert statuses == ["max_events"] * 3
     assert result.incomplete.all()
     assert np.isnan(result.restitution).all()
     assert "cap of 200" in result.explain(0)
@@ -414,21 +444,20 @@ def rod_on_a_wall():
     return ri.System([rod, ri.Wall()])
 
 
-PLACES = [(0, 0.05), (1, 0.5), (1, 0.0), (0, 0.1)]
-
-
-def test_a_cap_before_the_time_asked_for_is_told_although_the_outcome_is_final():
+def test_a_cap_before_the_time_asked_for_is_reported_although_the_outcome_is_final():
     system = pair(lengths=np.array([0.4, 0.7]), areas=1e-4)
     result = ri.sweep(system, until=1.0, max_events=500)
     assert result.final.all()
-    assert result.status.tolist() == ["max_events"] * 2
+    statuses = result.status.tolist()
+    assert statuses == ["max_events"] * 2
     assert "cap of" in result.explain(1)
 
 
 # Strain gauges
 # --------------------------------------------------------------------------------------
 
-TIMES = np.linspace(0.0, 4e-4, 41)
+PLACES = [(0, 0.05), (1, 0.5), (1, 0.0), (0, 0.1)]  # body and coordinate, m
+TIMES = np.linspace(0.0, 4e-4, 41)  # s
 
 
 @pytest.mark.parametrize(
@@ -462,21 +491,26 @@ TIMES = np.linspace(0.0, 4e-4, 41)
 def test_gauges_equal_those_of_single_solutions_and_change_no_column(
     system, options, gauges
 ):
+    """Strains after the end of a run are nan."""
+    without_gauges = ri.sweep(system, **options)
+
     result = ri.sweep(system, gauges=gauges, times=TIMES, **options)
 
-    assert result.strain.shape == (*system.shape, len(gauges), len(TIMES))
+    assert have_same_bits(result, without_gauges)
     assert result.gauges == tuple(gauges)
     assert result.times.tolist() == TIMES.tolist()
+    strains = result.strain  # [*member, gauge, time]
+    assert strains.shape == (*system.shape, len(gauges), len(TIMES))
+    assert np.nanmax(np.abs(strains)) > 0
     for index in np.ndindex(system.shape):
         solution = ri.solve(system[index], **options)
         is_in_run = solution.t_end * (1 + 1e-12) >= TIMES
-        for strain, (body, x) in zip(result.strain[index], gauges, strict=True):
-            expected = solution.gauge(body, x).strain_at(TIMES[is_in_run])
+        times_in_run = TIMES[is_in_run]
+        for gauge, (body, x) in enumerate(gauges):
+            strain = strains[index][gauge]  # [time]
+            expected = solution.gauge(body, x).strain_at(times_in_run)
             assert strain[is_in_run].tolist() == expected.tolist()
             assert np.isnan(strain[~is_in_run]).all()
-    assert np.nanmax(np.abs(result.strain)) > 0
-    without_gauges = ri.sweep(system, **options)
-    assert have_same_bits(result, without_gauges)
 
 
 def test_a_refused_member_has_no_strain():
@@ -504,36 +538,43 @@ def test_wrong_gauges_and_times_are_named(options, path):
 
 
 @pytest.fixture(scope="module")
-def with_gauge():
+def result_with_gauge():
     """A family of shape (3, 2) with one gauge."""
     return ri.sweep(
         small_map(n_lengths=3, n_areas=2), until=3e-4, gauges=[(1, 0.5)], times=TIMES
     )
 
 
-def test_gauges_are_saved_and_loaded_bit_for_bit(tmp_path, with_gauge):
-    with_gauge.save(tmp_path / "family.npz")
-    loaded = ri.load(tmp_path / "family.npz")
-    assert loaded.strain.tobytes() == with_gauge.strain.tobytes()
-    assert loaded.gauges == with_gauge.gauges
-    assert loaded.options == with_gauge.options
+def test_gauges_are_saved_and_loaded_bit_for_bit(tmp_path, result_with_gauge):
+    path = tmp_path / "family.npz"
+
+    result_with_gauge.save(path)
+    loaded = ri.load(path)
+
+    assert loaded.strain.tobytes() == result_with_gauge.strain.tobytes()
+    assert loaded.gauges == result_with_gauge.gauges
+    assert loaded.options == result_with_gauge.options
     assert loaded.times.tolist() == TIMES.tolist()
 
 
-def test_gauges_of_a_dataset_have_dimensions_places_and_units(with_gauge):
+def test_gauges_of_a_dataset_have_dimensions_places_and_units(result_with_gauge):
     pytest.importorskip("xarray")
-    k = 30  # of a time within the run
+    k = 30  # index of a time within the run
 
-    data = with_gauge.to_xarray()
+    data = result_with_gauge.to_xarray()
 
     strain = data["strain"]
-    at_time = strain.sel(time=TIMES[k]).isel(gauge=0).values  # [length, area]
-    assert strain.dims == ("bodies.0.length", "bodies.1.area", "gauge", "time")
-    assert at_time.tolist() == with_gauge.strain[:, :, 0, k].tolist()
-    assert np.isfinite(at_time).all()
+    dimensions = ("bodies.0.length", "bodies.1.area", "gauge", "time")
+    assert strain.dims == dimensions
+    strain_at_time = strain.sel(time=TIMES[k]).isel(gauge=0).values  # [length, area]
+    expected = result_with_gauge.strain[:, :, 0, k]
+    assert strain_at_time.tolist() == expected.tolist()
+    assert np.isfinite(strain_at_time).all()
     # The gauge of the fixture is 0.5 m along body 1.
-    assert data["body"].values.tolist() == [1]
-    assert data["x"].values.tolist() == [0.5]
+    bodies_of_gauges = data["body"].values.tolist()
+    x_of_gauges = data["x"].values.tolist()
+    assert bodies_of_gauges == [1]
+    assert x_of_gauges == [0.5]
     for variable in data.variables.values():
         assert {"long_name", "units"} <= set(variable.attrs)
 
@@ -552,11 +593,14 @@ def test_a_refused_member_has_no_numbers_and_the_others_have_theirs():
     result = ri.sweep(pair(lengths, areas=1e-4))
 
     is_refused = result.status != "final"
-    restitution = length / 1.0  # l1/l2
-    assert np.argwhere(is_refused).tolist() == [list(short)]
+    refused_indices = np.argwhere(is_refused).tolist()
+    assert refused_indices == [list(short)]
     assert not result.final[short]
-    assert "too short beside the longest" in result.explain(short)
-    np.testing.assert_allclose(result.restitution[~is_refused], restitution, atol=1e-15)
+    explanation = result.explain(short)
+    assert "too short beside the longest" in explanation
+    restitution_of_others = result.restitution[~is_refused]
+    expected = length / 1.0  # l1/l2
+    np.testing.assert_allclose(restitution_of_others, expected, atol=1e-15)
     for name in (
         "restitution",
         "velocity_after.0",
@@ -565,15 +609,18 @@ def test_a_refused_member_has_no_numbers_and_the_others_have_theirs():
         "peak_force.0",
         "duration.0",
     ):
-        assert np.isnan(result.columns[name][short])
+        column = result.columns[name]
+        assert np.isnan(column[short])
 
 
 def test_members_that_do_not_collide_have_no_restitution_and_no_episode():
     velocities = np.array([1.0, -1.0, 0.0])  # the second moves away, the third rests
     result = ri.sweep(pair(0.4, 1e-4, velocity=velocities))
-    assert np.isnan(result.restitution).tolist() == [False, True, True]
+    has_no_restitution = np.isnan(result.restitution).tolist()
+    assert has_no_restitution == [False, True, True]
     assert result.final.all()
-    assert result.episodes.tolist() == [1, 0, 0]
+    episodes = result.episodes.tolist()
+    assert episodes == [1, 0, 0]
     assert "move apart" in result.explain(1)
 
 
@@ -602,10 +649,13 @@ def test_wrong_arguments_are_named(options, path):
 @pytest.fixture
 def small_chunks(monkeypatch):
     """Families are run in chunks of four members, so that small ones have many."""
-    monkeypatch.setattr("rodimpact.methods.fronts.families.MAX_MEMBERS_PER_CALL", 4)
+    monkeypatch.setattr(MAX_MEMBERS_PER_CALL, 4)
 
 
 def test_every_executor_gives_the_same_bytes(small_chunks):
+    """A serial executor, compiled code, one worker, five workers and a process pool are
+    compared.
+    """
     family = small_map()
     serial = ri.sweep(family, executor=SerialExecutor())
     with kernels.forced(compiling=True):
@@ -646,6 +696,7 @@ def test_a_dask_cluster_gives_the_same_bytes(small_chunks):
 
 
 def test_progress_counts_collisions(small_chunks):
+    """`progress` is called with the number of members done and of all, in rising order."""
     members = 7 * 5
     counts = []
 
@@ -672,7 +723,8 @@ def test_axes_and_parameters_have_the_names_of_a_case_file():
     assert result.shape == (4, 3, 2)
     names = [axis.name for axis in result.axes]
     assert names == ["bodies.0.length", "contacts.0.gap", "bodies.1.segments.0.area"]
-    assert result.axes[2].values.tolist() == [1e-4, 2e-4]
+    axis_of_areas = result.axes[2]
+    assert axis_of_areas.values.tolist() == areas.tolist()
     assert set(result.parameters) == set(names)
 
 
@@ -684,44 +736,47 @@ def test_csv_holds_every_digit(tmp_path):
 
     with path.open() as file:
         rows = list(csv.DictReader(file))
-    areas = [float(row["bodies.1.area"]) for row in rows]
-    restitutions = [float(row["restitution"]) for row in rows]
-    first_columns = list(rows[0])[:3]
-    *_, status = rows[0].values()
-    areas_of_a_length = result.axes[1].values.tolist()
+    first_row = rows[0]
+    first_columns = list(first_row)[:3]
     assert first_columns == ["bodies.0.length", "bodies.1.area", "restitution"]
-    assert areas == areas_of_a_length * 3  # there are three lengths
-    assert restitutions == result.restitution.ravel().tolist()
+    *_, status = first_row.values()
     assert status == "final"
+    areas = [float(row["bodies.1.area"]) for row in rows]
+    areas_of_a_length = result.axes[1].values.tolist()
+    assert areas == areas_of_a_length * 3  # there are three lengths
+    restitutions = [float(row["restitution"]) for row in rows]
+    assert restitutions == result.restitution.ravel().tolist()
 
 
 @pytest.fixture(scope="module")
-def map_of_six():
+def result_of_six():
     """A swept family of shape (3, 2)."""
     return ri.sweep(small_map(n_lengths=3, n_areas=2))
 
 
-def test_a_family_shows_its_shape_and_axes(map_of_six):
+def test_a_family_shows_its_shape_and_axes(result_of_six):
     text = "<SweepResult of shape (3, 2) over bodies.0.length, bodies.1.area>"
-    assert repr(map_of_six) == text
+    assert repr(result_of_six) == text
 
 
-def test_a_data_frame_has_a_row_for_each_member(map_of_six):
+def test_a_data_frame_has_a_row_for_each_member(result_of_six):
     pytest.importorskip("pandas")
-    frame = map_of_six.to_dataframe()
-    restitutions = map_of_six.restitution.ravel()
+    frame = result_of_six.to_dataframe()
+    restitutions = result_of_six.restitution.ravel()
     assert frame["restitution"].tolist() == restitutions.tolist()
     assert set(frame["status"]) == {"final"}
 
 
-def test_a_dataset_has_coordinates_names_and_units(map_of_six):
+def test_a_dataset_has_coordinates_names_and_units(result_of_six):
     pytest.importorskip("xarray")
-    data = map_of_six.to_xarray()
+    data = result_of_six.to_xarray()
     of_thinnest = data["restitution"].sel({"bodies.1.area": 2e-5})
+    expected = result_of_six.restitution[:, 0]  # the first area is the smallest
+    assert of_thinnest.values.tolist() == expected.tolist()
+    statuses = data["status"].values.tolist()
+    assert statuses == [["final"] * 2] * 3
     velocity = data["velocity_after.1"]
     length = data["bodies.0.length"]
-    assert of_thinnest.values.tolist() == map_of_six.restitution[:, 0].tolist()
-    assert data["status"].values.tolist() == [["final"] * 2] * 3
     assert velocity.attrs == {"long_name": "velocity of rod 2 after", "units": "m/s"}
     assert length.attrs == {"long_name": "length of rod 1", "units": "m"}
 
@@ -730,9 +785,14 @@ def test_a_number_that_varies_is_labelled_in_a_row_of_several_contacts():
     pytest.importorskip("xarray")
     striker = ri.Rod(np.array([0.2, 0.4]), area=1e-4, material=STEEL, velocity=1.0)
     struck = ri.Rod(0.4, area=1e-4, material=STEEL)
-    data = ri.sweep(ri.System([striker, struck, struck])).to_xarray()
-    assert data["bodies.0.length"].attrs["long_name"] == "length of rod 1"
-    assert data["impulse.1"].attrs["long_name"] == "impulse at contact 2-3"
+    system = ri.System([striker, struck, struck])
+
+    data = ri.sweep(system).to_xarray()
+
+    length = data["bodies.0.length"].attrs
+    impulse = data["impulse.1"].attrs
+    assert length["long_name"] == "length of rod 1"
+    assert impulse["long_name"] == "impulse at contact 2-3"
 
 
 def test_a_missing_package_is_named(monkeypatch):
@@ -768,7 +828,7 @@ def test_a_family_with_no_members_is_refused_before_a_checkpoint_is_made(
 
 
 def steel_rod(length, velocity=0.0, area=1e-4, **strain):
-    """A rod of 1 cm^2, at rest if nothing else is said."""
+    """A rod of steel, at rest and of 1 cm^2 unless given otherwise."""
     return ri.Rod(length, area=area, material=STEEL, velocity=velocity, **strain)
 
 
@@ -776,22 +836,32 @@ LENGTHS = np.array([0.3, 0.77])
 
 
 def bonded_rods_and_wall():
-    """A striker, and two bodies bonded to each other: a rod and a moving wall."""
-    bodies = [steel_rod(LENGTHS, 1.0), steel_rod(1.0, area=3e-4), ri.Wall(-0.1)]
-    return ri.System(bodies, [1e-5, 0.0], [ri.Rigid(), ri.Bonded()])
+    """Strikers of `LENGTHS`, and a rod that is bonded to a moving wall; not solved."""
+    striker = steel_rod(LENGTHS, 1.0)
+    struck = steel_rod(1.0, area=3e-4)
+    gaps = [1e-5, 0.0]
+    laws = [ri.Rigid(), ri.Bonded()]
+    return ri.System([striker, struck, ri.Wall(-0.1)], gaps, laws)
 
 
 def vibrating_pair():
-    """A rod with steps of velocity and strain, beside one at rest."""
+    """Rods of `LENGTHS` with steps of velocity and strain, beside a rod at rest; not
+    solved.
+    """
     velocity = ri.Steps([1.0, 0.0, 2.0], at=[0.1, 0.2])
     strain = ri.Steps([1e-4, 0.0], at=[0.15])
-    return ri.System([steel_rod(LENGTHS, velocity, strain=strain), steel_rod(1.0)])
+    vibrating = steel_rod(LENGTHS, velocity, strain=strain)
+    return ri.System([vibrating, steel_rod(1.0)])
 
 
 def driven_pair():
-    """A rod pushed for 0.1 ms, beside one whose far end absorbs all waves."""
-    push = ri.Pushed(ri.Steps([1e3, 0.0], at=[1e-4]))
-    return ri.System([steel_rod(LENGTHS), steel_rod(1.0)], ends=(push, ri.Absorbing()))
+    """Rods of `LENGTHS` pushed for 0.1 ms, beside one whose far end absorbs all waves;
+    not solved.
+    """
+    force = ri.Steps([1e3, 0.0], at=[1e-4])
+    ends = (ri.Pushed(force), ri.Absorbing())
+    rods = [steel_rod(LENGTHS), steel_rod(1.0)]
+    return ri.System(rods, ends=ends)
 
 
 @pytest.mark.parametrize("compiling", few_of([False, True], [True]))
@@ -850,9 +920,10 @@ def assert_readings_of_second_member_are_those_of_fields(result, until):
         mean_displacement = np.trapezoid(at_end - at_start, x) / length
         stress = solution.stress(i, x[::10, None], times)  # [place, time], Pa
         largest_stress = np.abs(stress).max()
-        near_displacement = pytest.approx(mean_displacement, rel=1e-4, abs=1e-9)
-        assert result.displacements[i][1] == near_displacement
-        assert result.largest_stresses[i][1] == pytest.approx(largest_stress, rel=1e-9)
+        displacement = result.displacements[i][1]
+        assert displacement == pytest.approx(mean_displacement, rel=1e-4, abs=1e-9)
+        stress_of_member = result.largest_stresses[i][1]
+        assert stress_of_member == pytest.approx(largest_stress, rel=1e-9)
 
 
 def test_the_displacement_of_a_pile_counts_the_soil_along_its_shaft():
@@ -901,12 +972,13 @@ def test_readings_that_are_asked_for_are_in_tables_datasets_and_files(tmp_path):
     result = ri.sweep(pair(lengths, 1e-4), until=1e-3, also=ALSO)
 
     header = next(result.csv_lines())
+    columns = set(header.split(","))
+    assert set(units) <= columns
     data = result.to_xarray()
-    result.save(path)
-    loaded = ri.load(path)
-    assert set(units) <= set(header.split(","))
     for name, unit in units.items():
         assert data[name].attrs["units"] == unit
+    result.save(path)
+    loaded = ri.load(path)
     assert have_same_bits(result, loaded)
     assert loaded.readings.also == ALSO
 
@@ -940,16 +1012,19 @@ def test_a_sweep_runs_where_no_thread_can_start(monkeypatch, small_chunks):
 
 def test_several_contacts_have_columns_of_their_own():
     velocities = [1.0, 2.0]
-    rods = [steel_rod(0.2, velocities), steel_rod(0.2), steel_rod(0.2)]
-    three = ri.sweep(ri.System(rods))
-    two = ri.sweep(ri.System(rods[:2]))
+    striker = steel_rod(0.2, velocities)
+    struck = steel_rod(0.2)
 
-    np.testing.assert_allclose(three.velocities_after[2], velocities, rtol=1e-14)
+    of_two = ri.sweep(ri.System([striker, struck]))
+    of_three = ri.sweep(ri.System([striker, struck, struck]))
+
+    last_velocities = of_three.velocities_after[2]
+    np.testing.assert_allclose(last_velocities, velocities, rtol=1e-14)
     with pytest.raises(ValueError, match=r"result\.contacts"):
-        _ = three.impulse
-    first_contact = three.contacts[0]
-    assert two.duration.tolist() == first_contact.duration.tolist()
-    assert two.peak_force.tolist() == first_contact.peak_force.tolist()
+        _ = of_three.impulse
+    first_contact = of_three.contacts[0]
+    assert of_two.duration.tolist() == first_contact.duration.tolist()
+    assert of_two.peak_force.tolist() == first_contact.peak_force.tolist()
 
 
 def test_a_law_that_other_processes_cannot_import_is_refused_with_a_remedy():

@@ -261,17 +261,20 @@ def test_radii_and_materials_of_faces_vary_the_stiffness(path, grid):
     case = parse_case(ALL_KINDS, vary={path: grid})
 
     (varied,) = case.varied
-    name = path.split(".")[-1]
+    _, _, name = path.rpartition(".")
     if "contacts" in path:
         faces[name] = varied.values
     else:
         ball[name] = varied.values
-    law = ri.Hertz.from_radii(
-        **faces, left_material=ri.Material("ball", **ball), right_material=STEEL
+    material = ri.Material("ball", **ball)
+    expected = ri.Hertz.from_radii(
+        **faces, left_material=material, right_material=STEEL
     )
-    assert case.system.shape == (2,)
-    assert list(case.system.parameters) == ["contacts.3.stiffness"]
-    assert case.system.contacts[3].stiffness.tolist() == law.stiffness.tolist()
+    system = case.system
+    assert system.shape == (2,)
+    assert list(system.parameters) == ["contacts.3.stiffness"]
+    law = system.contacts[3]
+    assert law.stiffness.tolist() == expected.stiffness.tolist()
 
 
 A_MASS_TO_VARY = A_MASS.replace("mass = 2", "")
@@ -378,9 +381,10 @@ def test_grids_have_their_values_and_hold_both_ends_exactly(grid, values):
     case = parse_case(HEAD + A_ROD + A_WALL, vary={"contacts.0.gap": grid})
 
     (varied,) = case.varied
-    assert varied.values == pytest.approx(values, rel=1e-14)
-    assert varied.values[0] == values[0]
-    assert varied.values[-1] == values[-1]
+    read = varied.values
+    assert read == pytest.approx(values, rel=1e-14)
+    assert read[0] == values[0]
+    assert read[-1] == values[-1]
 
 
 @given(
@@ -731,12 +735,16 @@ def test_a_list_or_an_array_takes_the_place_of_a_grid(grid, values):
     assert lengths.values.tolist() == [10.0, 20.0]
     assert velocities.unit == "m/s"
     assert velocities.values.tolist() == values
-    assert case.system[1, -1].bodies[0].velocity == values[-1]
+    last_member = case.system[1, -1]  # [length, velocity]
+    first_body = last_member.bodies[0]
+    assert first_body.velocity == values[-1]
 
 
 @pytest.mark.parametrize("grid", [[200e3, 1e6], ["200 kN", "1 MN"]])
 def test_numbers_may_be_tied_to_a_list(grid):
-    (axis,) = parse_case(PILE, vary={"R": grid, "contacts.1.yield_force": "R"}).varied
+    vary = {"R": grid, "contacts.1.yield_force": "R"}
+
+    (axis,) = parse_case(PILE, vary=vary).varied
 
     assert axis.values.tolist() == [200e3, 1e6]
 

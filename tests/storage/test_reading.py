@@ -35,6 +35,7 @@ def contents(path):
 
 
 def write_contents(path, document, arrays):
+    """Save a document, a dict, and arrays by name, as a result is saved."""
     np.savez_compressed(path, document=np.array(json.dumps(document)), **arrays)
 
 

@@ -11,8 +11,8 @@ from rodimpact.storage import report, tables
 
 
 @pytest.fixture
-def unequal():
-    """A striker of 0.4 m that hits a rod of 1 m at rest with 1 m/s: e = 0.4."""
+def unequal_solution():
+    """The solution of a striker of 0.4 m on a rod of 1 m, at 1 m/s: e = 0.4."""
     return ri.solve(ri.System([rod(0.4, 1.0), rod(1.0)]))
 
 
@@ -32,8 +32,10 @@ def outcome_of(solution):
     return json.loads(report.solution_json(solution))["outcome"]
 
 
-def test_a_table_has_masses_velocities_contacts_and_energies_with_units(unequal):
-    text = str(unequal.outcome)
+def test_a_table_has_masses_velocities_contacts_and_energies_with_units(
+    unequal_solution,
+):
+    text = str(unequal_solution.outcome)
     # mass, velocity before and after, vibration energy
     assert cells(text, "rod 1 ") == ["0.314 kg", "1 m/s", "0 m/s", "0 J"]
     assert cells(text, "rod 2 ") == ["0.785 kg", "0 m/s", "0.4 m/s", "94.2 mJ"]
@@ -42,14 +44,14 @@ def test_a_table_has_masses_velocities_contacts_and_energies_with_units(unequal)
     assert cells(text, "coefficient of restitution e")[0] == "0.4"
     # before and after
     assert cells(text, "moving as a whole") == ["157 mJ", "62.8 mJ"]
-    assert text.endswith(unequal.status)
+    assert text.endswith(unequal_solution.status)
 
 
-def test_columns_are_aligned_and_no_line_ends_with_blanks(unequal):
-    table_of_bodies, *_ = str(unequal.outcome).split("\n\n")
+def test_columns_are_aligned_and_no_line_ends_with_blanks(unequal_solution):
+    table_of_bodies, *_ = str(unequal_solution.outcome).split("\n\n")
     lengths = {len(line) for line in table_of_bodies.splitlines()}
     assert len(lengths) == 1
-    for line in str(unequal).splitlines():
+    for line in str(unequal_solution).splitlines():
         assert line == line.rstrip()
 
 
@@ -62,7 +64,7 @@ def test_round_off_prints_as_zero_but_json_keeps_it():
     assert 0 < vibration < 1e-28
 
     *_, velocity_text, vibration_text = cells(str(outcome), "rod 1 ")
-    in_json = outcome_of(solution)["bodies"][0]
+    in_json, _ = outcome_of(solution)["bodies"]
 
     assert velocity_text == "0 m/s"
     assert vibration_text == "0 J"
@@ -100,7 +102,7 @@ def test_undefined_restitution_is_a_dash_with_its_reason():
     in_json = outcome_of(solution)
 
     restitution, *_ = cells(text, "coefficient of restitution e")
-    reason = text.splitlines()[-2]
+    *_, reason, _ = text.splitlines()  # the line before the status
     assert restitution == "-"
     assert "nothing collided; the bodies move apart" in reason
     assert in_json["restitution"] is None
@@ -120,8 +122,10 @@ def test_a_run_that_is_not_over_says_so_once_and_has_velocities_at_the_end():
 
 
 @pytest.fixture
-def bond_and_walls():
-    """A rod bonded to a wall, and one that comes from a moving wall to strike it."""
+def bonded_solution():
+    """The solution of a rod that strikes one bonded to a wall; behind it is a moving
+    wall.
+    """
     system = ri.System(
         [ri.Wall(), rod(0.4), rod(0.3, -1.0), ri.Wall(-0.5)],
         gaps=[0, 1e-5, 1e-4],
@@ -130,8 +134,8 @@ def bond_and_walls():
     return ri.solve(system, until=1e-3)
 
 
-def test_a_table_has_dashes_for_masses_of_walls_and_episodes_of_bonds(bond_and_walls):
-    text = str(bond_and_walls)
+def test_a_table_has_dashes_for_masses_of_walls_and_episodes_of_bonds(bonded_solution):
+    text = str(bonded_solution)
     # mass, velocity before and after, vibration energy
     assert cells(text, "wall ") == ["-", "0 m/s", "0 m/s", "-"]
     *_, episodes = cells(text, "wall-1 joined")
@@ -139,8 +143,8 @@ def test_a_table_has_dashes_for_masses_of_walls_and_episodes_of_bonds(bond_and_w
     assert "work of moving walls" in text
 
 
-def test_json_has_no_mass_of_a_wall_and_no_peak_force_of_a_bond(bond_and_walls):
-    in_json = outcome_of(bond_and_walls)
+def test_json_has_no_mass_of_a_wall_and_no_peak_force_of_a_bond(bonded_solution):
+    in_json = outcome_of(bonded_solution)
     wall, *_ = in_json["bodies"]
     bond, contact, last_contact = in_json["contacts"]
     assert wall["mass"] is None
@@ -148,71 +152,85 @@ def test_json_has_no_mass_of_a_wall_and_no_peak_force_of_a_bond(bond_and_walls):
     assert not contact["bonded"]
     assert not last_contact["bonded"]
     assert bond["peak_force"] is None
-    assert contact["episodes"] == bond_and_walls.outcome.contacts[1].episodes
+    assert contact["episodes"] == bonded_solution.outcome.contacts[1].episodes
 
 
-def test_solution_table_tells_when_contacts_press_and_open(unequal):
-    lines = [line for line in str(unequal).splitlines() if line.startswith("1-2")]
+def test_solution_table_tells_when_contacts_press_and_open(unequal_solution):
+    lines = [
+        line for line in str(unequal_solution).splitlines() if line.startswith("1-2")
+    ]
     _, episode = lines  # the first line is that of the outcome
     assert cells(episode, "1-2") == ["0 s", "158.493 us", "396.232 us"]
 
 
 @pytest.fixture(scope="module")
-def bouncing_ball():
-    """A ball that falls on a wall, bounces many times and comes to rest."""
+def ball_solution():
+    """The solution of a ball that falls on a wall, bounces and comes to rest."""
     law = ri.Rigid(restitution=0.8)
     row = ri.System([ri.Wall(), ri.RigidMass(0.06)], [1.0], [law], gravity=-9.81)
     return ri.solve(row, until=5.0)
 
 
-def test_a_long_list_of_episodes_is_cut_and_counted(bouncing_ball):
-    (contact,) = bouncing_ball.contacts
+def test_a_long_list_of_episodes_is_cut_and_counted(ball_solution):
+    (contact,) = ball_solution.contacts
     n_left_out = len(contact.episodes) - report.MAX_LISTED_EPISODES - 1
-    lines = str(bouncing_ball).splitlines()
+    lines = str(ball_solution).splitlines()
     listed = [line for line in lines if line.startswith("wall-1")]
 
     assert f"... and {n_left_out} more; the last ones of contacts are:" in lines
     assert len(listed) == 1 + report.MAX_LISTED_EPISODES + 1  # the line of the outcome
 
 
-def test_the_last_episode_of_a_ball_tells_when_it_came_to_rest(bouncing_ball):
-    (contact,) = bouncing_ball.contacts
-    fall = math.sqrt(2 * 1.0 / 9.81)
-    rest = fall * (1 + 0.8) / (1 - 0.8)
-    lines = str(bouncing_ball).splitlines()
+def test_the_last_episode_of_a_ball_tells_when_it_came_to_rest(ball_solution):
+    (contact,) = ball_solution.contacts
+    fall = math.sqrt(2 * 1.0 / 9.81)  # s, from 1 m
+    e = 0.8
+    rest = fall * (1 + e) / (1 - e)  # the sum of all flights, each e times the last
+    lines = str(ball_solution).splitlines()
 
     listed = [line for line in lines if line.startswith("wall-1")]
 
-    assert contact.episodes[-1].start == pytest.approx(rest, rel=1e-5)
-    assert cells(listed[-1], "wall-1")[0] == f"{rest:.6g} s"
+    *_, last_episode = contact.episodes
+    assert last_episode.start == pytest.approx(rest, rel=1e-5)
+    *_, last_line = listed
+    start, *_ = cells(last_line, "wall-1")
+    assert start == f"{rest:.6g} s"
 
 
 def test_single_episodes_of_many_contacts_are_cut_and_counted():
     # The pulse passes each of the 20 contacts of equal rods once.
     n_contacts = 20
-    cradle = ri.solve(ri.System([rod(0.1, 1.0), *[rod(0.1)] * n_contacts]))
+    striker = rod(0.1, 1.0)
+    struck = [rod(0.1)] * n_contacts
+    cradle = ri.solve(ri.System([striker, *struck]))
     n_episodes = sum(len(contact.episodes) for contact in cradle.contacts)
     n_left_out = n_contacts - report.MAX_LISTED_EPISODES
     assert n_episodes == n_contacts
     assert f"... and {n_left_out} more" in str(cradle).splitlines()
 
 
-def test_json_has_system_outcome_and_episodes_without_loss(unequal):
+def test_json_has_system_outcome_and_episodes_without_loss(unequal_solution):
     # `parse_constant` is called for numbers that are not finite.
-    data = json.loads(report.solution_json(unequal), parse_constant=pytest.fail)
-    episode = data["episodes"][0][0]
+    data = json.loads(
+        report.solution_json(unequal_solution), parse_constant=pytest.fail
+    )
+    outcome = data["outcome"]
     assert data["schema_version"] == 1
-    assert data["outcome"]["restitution"] == unequal.outcome.restitution
-    assert episode["opening"] == unequal.contacts[0].episodes[0].opening
-    assert ri.System.from_dict(data["system"]) == unequal.system
     assert data["final"] is True
-    assert data["outcome"]["final"] is True
+    assert outcome["final"] is True
+    assert outcome["restitution"] == unequal_solution.outcome.restitution
+    system = ri.System.from_dict(data["system"])
+    assert system == unequal_solution.system
+    ((episode_in_json,),) = data["episodes"]  # the only one, of the only contact
+    (contact,) = unequal_solution.contacts
+    (episode,) = contact.episodes
+    assert episode_in_json["opening"] == episode.opening
 
 
-def test_html_is_escaped_and_micro_is_written_as_a_sign(unequal):
+def test_html_is_escaped_and_micro_is_written_as_a_sign(unequal_solution):
     assert tables.as_html("a < b & c").endswith(">a &lt; b &amp; c</pre>")
     assert ">385 µs  2.5 µJ/m  us</pre>" in tables.as_html("385 us  2.5 uJ/m  us")
-    assert '">body' in unequal.outcome._repr_html_()
+    assert '">body' in unequal_solution.outcome._repr_html_()
 
 
 @pytest.mark.parametrize(
