@@ -31,14 +31,17 @@ def test_the_box_is_two_fifths():
 
 
 def test_steps_of_an_area_are_borders_as_they_are_written():
+    """In fractions a step at 0.1 m of 0.4 m makes segments of 0.1 m and 0.3 m."""
     area = ri.Steps([1e-4, 2e-4], at=[0.1])
-    segments = [ri.Segment(0.1, 1e-4, STEEL), ri.Segment(0.3, 2e-4, STEEL)]
     by_steps = ri.Rod(0.4, area=area, material=STEEL, velocity=1.0)
-    by_segments = ri.Rod(segments=segments, velocity=1.0)
+    thin = ri.Segment(0.1, 1e-4, STEEL)
+    thick = ri.Segment(0.3, 2e-4, STEEL)
+    by_segments = ri.Rod(segments=[thin, thick], velocity=1.0)
 
     collision = ri.exact(ri.System([by_steps, STRUCK]))
+    expected = ri.exact(ri.System([by_segments, STRUCK]))
 
-    assert collision == ri.exact(ri.System([by_segments, STRUCK]))
+    assert collision == expected
 
 
 def test_times_of_the_box_are_the_metres_that_its_waves_run():

@@ -1,4 +1,8 @@
-"""The page in a browser: what a person sees and does."""
+"""The page in a browser: what a person sees and does.
+
+In Python `page` is a page of Playwright; in scripts it is the state of the page, as
+main.js has it.
+"""
 
 import itertools
 import json
@@ -341,7 +345,6 @@ def test_the_film_plays_until_it_is_paused_or_scrubbed(visit):
 
     page.click("#play")  # it plays again
     page.locator("#time").fill("900")  # scrubbed
-    # In the browser `page` is the state of the page.
     assert not page.evaluate("page.isPlaying")
     assert page.evaluate("page.fraction") == 0.9
 

@@ -505,7 +505,7 @@ def test_round_trips_stand_at_the_axis_of_times_if_contact_begins_with_the_run(s
 
     assert "2 ℓ₁/c" in major_ticks(time_across.ax.xaxis)
     for name in major_ticks(later_contact.ax.yaxis):
-        assert "c" not in name
+        assert "c" not in name  # as in the names of round trips, over c
 
 
 def test_times_of_a_longer_row_are_not_named_by_lengths_that_add_up():
@@ -875,10 +875,10 @@ def test_words_of_a_page_of_any_width_stay_apart_and_inside(solved, width):
 
     boxes = boxes_of_words(figure)
     assert len(boxes) > 30
-    page = figure.bbox.padded(2)  # pixels
+    paper = figure.bbox.padded(2)  # pixels
     for i, box in enumerate(boxes):
-        assert page.x0 < box.x0 < box.x1 < page.x1
-        assert page.y0 < box.y0 < box.y1 < page.y1
+        assert paper.x0 < box.x0 < box.x1 < paper.x1
+        assert paper.y0 < box.y0 < box.y1 < paper.y1
         inner = box.shrunk(0.9, 0.9)
         for earlier in boxes[:i]:
             assert not inner.overlaps(earlier)

@@ -55,7 +55,7 @@ def test_the_residual_is_drawn_in_parts_of_the_plateau(comparison, predicted_sig
 
 
 def predictions():
-    """Signals, and the label that says how they are shifted and scaled."""
+    """Pairs of a predicted signal and the label that names its shift and its gain."""
     earlier = (0.5 * PULSE).shifted(4e-6)
     later = (-4 * PULSE).shifted(-4e-6)
     strain = (1e-3 * PULSE).shifted(4e-6).replace(unit="")
@@ -194,6 +194,7 @@ def test_stations_move_with_their_rod_where_time_runs_across():
 
 @pytest.mark.exhaustive
 def test_stations_beyond_a_spring_begin_behind_it():
+    """The spring is drawn between the rods, less than 0.1 m wide."""
     incident, _ = stations(BY_CHARACTERISTICS, across=False).gauges
 
     x_drawn, time = incident.get_data()

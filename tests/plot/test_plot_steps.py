@@ -454,6 +454,7 @@ def test_the_gap_of_a_joint_is_its_stretch(joined_solution):
 
 
 def test_a_joint_is_drawn_between_its_faces(joined_solution, joined_picture):
+    """The drawn width grows by the stretch of the joint, magnified."""
     # The outline goes along the left face in time, and back along the right one.
     x, t = joint_patch(joined_picture).get_xy().T
     n = len(x) // 2

@@ -525,8 +525,8 @@ def test_averages_between_times_are_those_of_a_free_vibration():
     ("t", "is_open"), [(0.5, True), (1.0, False)], ids=["open", "pressed"]
 )
 def test_a_run_from_a_state_continues_the_whole_run(t, is_open):
-    """It does to within what averages over cells change. The state, at t, is taken
-    while the contact is open or pressed.
+    """Mean velocities at the end agree within the error of averages over cells. The
+    state is taken at t, while the contact is open or pressed.
     """
 
     def velocity(x):

@@ -169,8 +169,10 @@ def held(rod, left, right):
 def test_a_rod_between_walls_that_move_apart_has_its_own_velocity(
     method, error, left, right, direction, mirrored
 ):
-    """The wave of the one that moves has been at the other and come back a quarter of
-    the way: one quarter of the rod moves at 0, the rest at 1 m/s.
+    """At 1.25 s the wave from the moving wall is reflected at the other end and has run
+    back through a quarter of the rod: this quarter is at rest, the others have 1 m/s.
+
+    `None` stands for a fixed end, and `direction` for the sign of the velocity.
     """
     system = held(rod(1.0, 1.0), left, right)
     if mirrored:

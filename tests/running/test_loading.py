@@ -48,6 +48,7 @@ def test_text_is_written_as_it_is(tmp_path):
 
 @pytest.mark.parametrize("mask", [0o022, 0o077])
 def test_permissions_follow_the_umask(tmp_path, mask):
+    """All may read and write a file, except where the mask forbids it."""
     before = os.umask(mask)
     try:
         write_text(tmp_path / "a", "")

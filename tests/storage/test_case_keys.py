@@ -177,6 +177,7 @@ def test_units_signs_and_defaults_are_those_of_the_declared_numbers(title):
 
 
 def test_units_and_signs_of_numbers_that_belong_to_no_class():
+    """The key reference has those that the reader checks."""
     speed = field_as_written(WAVE_SPEED)._replace(default="in place of youngs_modulus")
     assert TABLES["[materials.NAME]"].keys["wave_speed"] == speed
     gravity = field_as_written(ri.System.fields["gravity"])
