@@ -508,7 +508,7 @@ RECIPES = [
         marks=pytest.mark.exhaustive,
     ),
     pytest.param(
-        "a contact law that acts as one that is there",
+        "a contact law with an existing force",
         LAW,
         "rod = ri.Rod(0.4, area=1e-4, material=ri.materials.steel, velocity=1.0)\n"
         "results = []\n"
@@ -529,7 +529,7 @@ RECIPES = [
         marks=pytest.mark.exhaustive,
     ),
     pytest.param(
-        "a contact law with a force of its own",
+        "a contact law with a new force",
         LAW_WITH_A_FORCE,
         VISCOUS_PROGRAM,
         (
