@@ -1,16 +1,16 @@
 """The methods on the same collisions: wave fronts, characteristics as pieces, a grid.
 
-Where waves are constant between jumps, fronts and characteristics are both exact but
-for round-off: pairs, cradles, relays, and random rows of 2 to 4 rods with gaps between
-them, walls at some ends, and re-contact, for 4 transits of the longest rod, with
-lengths in whole numbers or any.
+If waves are constant between jumps, fronts and characteristics are both exact except
+for round-off. The systems are pairs, cradles, relays, and random rows of 2 to 4 rods.
+The random rows have gaps, walls at some ends, and repeated contact, and are solved for
+4 transit times of the longest rod. Their lengths are whole numbers or any numbers.
 
-Where waves are smooth, the grid and characteristics can both do it: rods with Hertz
-contacts and springs, and a mass. The impulses of the grid approach those of
-characteristics with the square of its cells.
+If waves are smooth, the grid is compared with characteristics. The systems are rods
+with Hertz contacts and springs, and a mass. The difference of the impulses falls with
+the square of the cell length.
 
-Source: `fronts`, itself proved on rationals (`rational_proof`), and characteristics at
-a tolerance of 1e-10.
+Source: `fronts`, which is proved on fractions (`rational_proof`), and characteristics
+at a tolerance of 1e-10.
 """
 
 import math

@@ -1,20 +1,22 @@
 """The collisions of the textbook's box 10.4, "The axial collision of elastic rods".
 
-- A rod runs into an identical rod at rest: the contact lasts 2 L/c, then the first rod
-  rests, the second has its velocity, e = 1, and no vibration is left.
-- A rod on a rigid wall: the same from the wall's side, e = 1.
-- Rods of one material and different lengths: the short rod is left at rest, the long
-  one has the mean velocity (l1/l2) v, so e = l1/l2; the vibration energy is
-  (1 - e^2) mu v^2/2 with the reduced mass mu = m1 m2/(m1 + m2).
+- A rod hits an identical rod at rest. The contact lasts 2 L/c. Then the first rod is at
+  rest, and the second rod has its velocity: e = 1. No vibration remains.
+- A rod hits a rigid wall: e = 1.
+- Rods of one material have different lengths. After the collision the short rod is at
+  rest, and the long rod has the mean velocity (l1/l2) v, so e = l1/l2. The vibration
+  energy is (1 - e^2) mu v^2/2 with the reduced mass mu = m1 m2/(m1 + m2).
 
-Where the text is loose:
+The text of the textbook is inaccurate in three places:
 
-- It puts the wave speed of metals at about 1000 m/s and the collision of 1 m rods at a
-  few thousandths of a second. Steel has about 5000 m/s, and 1 m rods part after 0.4 ms.
-- It says that its two elastic examples may be the only ones. Any two rods of equal
-  transit time collide with e = 1, whatever their impedances.
-- It says that unequal rods separate when the wave of the short one returns. The force
-  ends then, after 2 l1/c; the ends go on touching without force and part after 2 l2/c.
+- The text states a wave speed of about 1000 m/s for metals, and a few milliseconds for
+  the collision of rods of 1 m. Steel has about 5000 m/s, and such rods separate after
+  0.4 ms.
+- The text says that its two elastic examples may be the only ones. In fact any two rods
+  of equal transit time collide with e = 1, for all impedances.
+- The text says that unequal rods separate when the wave of the short rod returns. In
+  fact only the force ends at this time, 2 l1/c. The ends then touch without force, and
+  the gap opens at 2 l2/c.
 
 Source: textbook section 10.5, "Collisions in 1D", box 10.4, which credits the solution
 by waves to E. J. Routh.

@@ -1,7 +1,7 @@
 """Two identical bars meet head on, in inches and pounds.
 
-E = 30e6 psi, rho = 0.73e-3 lb s^2/in^4, L = 10 in, A = 1 in^2, closing at 202.2 in/s:
-force 14,961 lb for 98.66 us.
+With E = 30e6 psi, rho = 0.73e-3 lb s^2/in^4, L = 10 in, A = 1 in^2 and a closing speed
+of 202.2 in/s, the force is 14,961 lb for 98.66 us.
 
 Source: N. J. Carpenter, R. L. Taylor, M. G. Katona, Lagrange constraints for transient
 finite element surface contact, International Journal for Numerical Methods in

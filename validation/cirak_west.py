@@ -1,7 +1,7 @@
 """Two identical bars meet head on.
 
-E = rho = 1, L = 10, area 4, velocities 0.1 and -0.1: the contact lasts 2 L/c = 20 with
-the force 0.1 Z = 0.4, and the bars exchange velocities.
+With E = rho = 1, L = 10, A = 4 and the velocities 0.1 and -0.1, the contact lasts 2 L/c
+= 20 with the force 0.1 Z = 0.4, and the bars exchange their velocities.
 
 Source: F. Cirak, M. West, Decomposition contact response (DCR) for explicit finite
 element dynamics, International Journal for Numerical Methods in Engineering 64 (2005).

@@ -1,8 +1,8 @@
 """A bar hits an identical bar whose far end is fixed: test SDNL111 of code_aster.
 
-Bars of 1 m, E = 200 GPa, rho = 7800 kg/m^3. The wave runs through the second bar to the
-fixed end and back through both: contact for 4 L/c, then the striker leaves with the
-velocity it came with, reversed, and the second bar is at rest.
+The bars are 1 m long, with E = 200 GPa and rho = 7800 kg/m^3. The wave runs through the
+second bar to the fixed end, and back through both bars. The contact lasts 4 L/c. Then
+the striker leaves with its reversed initial velocity, and the second bar is at rest.
 
 Source: code_aster, validation manual, test SDNL111.
 """

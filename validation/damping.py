@@ -1,21 +1,23 @@
-"""Kelvin-Voigt damping: how modes decay, and what becomes of e = l1/l2 and energy.
+"""Kelvin-Voigt damping: decay of modes, e of damped rods, and energy.
 
-- Modes of free and fixed rods, eta c/(E L) = 0.01: the rate r is read off the velocity
-  of one place at equal times, for which v(t + dt) + exp(-2 r dt) v(t - dt) is a
-  multiple of v(t). Expected eta omega^2/(2 E), to 0.2 % with 200 cells, 40 in each half
-  wave of the fifth mode.
-- Rods 0.4 : 1 of one material and thickness are, while they press, one rod of 1.4. Its
-  damped modes give the momentum that the first rod has kept at any time; contact ends
-  where that is least, which gives e. As the damping goes, e tends to l1/l2 = 0.4, and
-  it comes there faster than by any power: the force ends at 2 T_short and the gap opens
-  at 2 T_long, and fronts that have spread by (eta t/rho)^(1/2) do not reach from the
-  one to the other. Rods of unequal impedance lose more in damped material: e falls
-  short of that of elastic rods by a share of eta^(1/2).
-- The closing remark of the textbook: vibration dies out, and the energy falls from that
-  after the impact to that of the motion as rigid bodies, while momentum stays. Steel
-  rods 0.4 : 1 keep 40 % of the energy that they came with, the rest becomes heat.
-  `draw` shows this in ring_down.svg. The lowest mode of the longer rod remains, and in
-  the end the energy falls at twice its rate.
+- Modes of free and fixed rods with eta c/(E L) = 0.01. The decay rate r follows from
+  the velocity v of one point at equally spaced times, for which v(t + dt) + exp(-2 r
+  dt) v(t - dt) is a multiple of v(t). The expected rate is eta omega^2/(2 E), to 0.2 %
+  with 200 cells: 40 cells in each half wave of the fifth mode.
+- Rods of lengths 0.4 and 1, of one material and area, form one rod of length 1.4 while
+  they press. The damped modes of this rod give the momentum of the first rod at any
+  time. The contact ends when this momentum has its minimum, which gives e. For small
+  damping e tends to l1/l2 = 0.4, faster than any power of eta: the force ends at 2
+  T_short and the gap opens at 2 T_long, and a front that has spread over (eta
+  t/rho)^(1/2) does not reach from one time to the other. Rods of unequal impedance lose
+  more in damped material: their e is smaller than that of elastic rods by an amount
+  proportional to eta^(1/2).
+- The closing remark of the textbook: the vibration dies out. The energy falls from the
+  energy after the impact to the energy of the motion as rigid bodies, while the
+  momentum is constant. Steel rods of lengths 0.4 and 1 keep 40 % of their initial
+  energy; the rest becomes heat. `draw` shows this in ring_down.svg. Finally only the
+  lowest mode of the longer rod remains, and the energy falls at twice the rate of this
+  mode.
 
 Source: Lord Rayleigh, The Theory of Sound, arts. 45 and 81, for the modes; textbook
 section 10.5; `theory.saint_venant` for elastic rods.

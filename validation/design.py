@@ -1,20 +1,24 @@
 """Designs solved backwards and forwards: stepped strikers, a momentum trap.
 
-Stepped strikers: ten segments of a transit T/20, areas from e^-4 to e^1.5 of the bar's,
-a pulse of duration T whose peak is 0.8 of that of an equal bar. The misfit here is the
-root of the mean square of the means of the force over each step, over 2 T, ringing
-included, over the peak; beside it the best staircase differs from the wanted shape
-within its steps by 4.5, 5.9 and 2.0 %. Expected: 0, with bounds a little above what
-least squares from many random starts reaches.
+Stepped strikers: ten segments with the transit time T/20, with areas from e^-4 to e^1.5
+of the area of the bar. The desired pulse has the duration T, and its peak is 0.8 of the
+peak that a striker with the section of the bar gives. The misfit is computed from the
+mean force over each step, for the time 2 T, which includes ringing: the root mean
+square of the difference, divided by the peak. In addition, the best staircase differs
+from the desired shape within its steps by 4.5, 5.9 and 2.0 %. The expected misfit is 0.
+The bounds are slightly above the misfit that least squares reach from many random
+starts.
 
-Hidden strikers: twenty of ten such steps, glued so that they can pull, with the
-logarithms of their areas evenly spread over the limits. The pulse over 2 T is computed
-here, by the reflections at each step. Where steep steps hide those behind them, the
-sixteen digits of a pulse do not tell the areas to 1e-6: of a hundred two were such, of
-the twenty one may be.
+Hidden strikers: twenty strikers with ten such steps, bonded to the bar so that they can
+pull. The logarithms of their areas are uniformly distributed between the limits. Their
+pulse over 2 T is computed here from the reflections at each step, and the design must
+find the striker from its pulse. Large steps hide the steps behind them: the sixteen
+digits of a pulse then do not determine the areas to 1e-6. This happened to two of a
+hundred strikers, and is allowed for one of the twenty.
 
-Trap: the striker's pulse of momentum m V goes to and fro in the bar and leaves it at
-its second arrival; the gap is what the bar's end moves meanwhile, V 2 L/c.
+Trap: the pulse of the striker, with the momentum m V, runs back and forth in the bar,
+and leaves the bar at its second arrival. The gap is the displacement of the end of the
+bar during the pulse, V 2 L/c.
 
 Source: closed forms; for traps in tension bars S. Nemat-Nasser, J. B. Isaacs and J. E.
 Starrett, Proceedings of the Royal Society A 435 (1991) 371.

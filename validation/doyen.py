@@ -1,18 +1,19 @@
 """A bar meets a rigid floor: thrown without gravity, dropped with it, three bounces.
 
-E = 900, rho = 1, L = 10, A = 1, so c = 30, Z = 30 and L/c = 1/3; the bar starts at a
-height of 5.
+With E = 900, rho = 1, L = 10 and A = 1, c = 30, Z = 30 and L/c = 1/3. The bar starts at
+a height of 5.
 
-- Thrown at speed 10 without gravity: contact from 0.5 to 7/6 with the force Z v = 300,
-  then the bar goes back as it came.
-- Dropped from rest at g = 10: it falls for 1, presses for 2 L/c = 2/3 with a force that
-  ramps from 300 to 500, and takes off vibrating. After a flight of 2 the second force
-  ramps from 500 to 300 and takes the vibration out again; the bar rises for 1, and all
-  begins anew with period 16/3. Each contact hands over 800/3.
+- Thrown at the speed 10 without gravity: the contact lasts from 0.5 to 7/6 with the
+  force Z v = 300. Then the bar returns at its initial speed.
+- Dropped from rest with g = 10: the bar falls for the time 1 and presses for 2 L/c =
+  2/3. The force grows linearly from 300 to 500. The bar rebounds with vibration. After
+  a flight of 2 the second force falls linearly from 500 to 300 and cancels the
+  vibration. The bar rises for the time 1, and the motion repeats with the period 16/3.
+  The impulse of each contact is 800/3.
 
-With a step that divides L/c, contacts open and close on steps: times, impulses and the
-averages of the force over steps are those of the exact answer to round-off, at every
-step.
+If L/c is a multiple of the time step, contacts open and close at the end of a step.
+Then the times, the impulses and the mean forces over steps are exact to round-off at
+every step.
 
 Source: D. Doyen, A. Ern, S. Piperno, Time-integration schemes for the finite element
 dynamic Signorini problem, SIAM Journal on Scientific Computing 33 (2011); the ramps by

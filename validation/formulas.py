@@ -1,12 +1,12 @@
-"""Formulas derived by the front kernel on numbers that remember how they were made.
+"""Formulas derived by the front kernel on numbers that record their computation.
 
-- The box: the coefficient of restitution of rods of one material and area is l1/l2.
-- Saint-Venant's pairs: the derived formula, at rational places throughout its cell,
-  against the sum of the force's steps in fractions; and the cell is K T1 < T2 < (K + 1)
-  T1, as in his theory.
-- Rows of three rods: T1/T3 of equal impedances; any impedances against runs on
-  fractions.
-- A stepped striker on a plain rod, against runs on fractions.
+- Box 10.4: the coefficient of restitution of rods of one material and area is l1/l2.
+- Pairs of Saint-Venant: the derived formula, at rational points of its cell, is
+  compared with the sum of the steps of the force in fractions. The cell must be K T1 <
+  T2 < (K + 1) T1, as in his theory.
+- Rows of three rods: for equal impedances the formula must be T1/T3. For other
+  impedances it is compared with runs on fractions.
+- A stepped striker on a uniform rod is compared with runs on fractions.
 
 Nothing is rounded anywhere, so the bounds are 0.
 

@@ -1,11 +1,11 @@
 """A compressed bar, clamped at one end, is released above a floor: exactly periodic.
 
-L = c = 1, E A = 1. The bar is clamped at x = 1 and has a unilateral floor at x = 0. It
-is released at rest with u = 1/2 - x/2, so it is compressed by 1/2 and its lower end is
-1/2 above the floor. The end falls at speed 1/2, reaches the floor at t = 1, rests on it
-with force 1/2 until t = 2, rises until t = 3, and everything begins anew with period 3.
-Both methods: exact fronts over two periods, and characteristics over ten, where nothing
-may drift.
+L = c = 1 and E A = 1. The bar is clamped at x = 1, and a unilateral floor is at x = 0.
+The bar is released at rest with u = 1/2 - x/2, so it is compressed by 1/2, and its
+lower end is 1/2 above the floor. The lower end falls at the speed 1/2 and reaches the
+floor at t = 1. It rests on the floor with the force 1/2 until t = 2, and rises until t
+= 3. The motion repeats with the period 3. Two methods are compared with this solution:
+exact fronts over two periods, and characteristics over ten periods, without drift.
 
 Source: demo_dynamic_contact_1D of GetFEM, after F. Dabaghi, A. Petrov, J. Pousin, Y.
 Renard, Convergence of mass redistribution method for the one-dimensional wave equation

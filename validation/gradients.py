@@ -1,13 +1,14 @@
-"""Derivatives of collisions against those of closed forms, and what scaling demands.
+"""Derivatives of collisions against derivatives of closed forms, and scaling laws.
 
-- Rods of one material and section: e = l1/l2, l1 the shorter one. At equal lengths l
-  this has a kink, with the slope 1/l on one side and -1/l on the other.
-- Near T1 : T2 = 2 : 5 and for r = Z2/Z1 >= 1: e = (2 T1 + (r - 1) T2)/(T2 (1 + r)), as
-  hand summation of Saint-Venant's series gives.
-- Velocities after the collision of three rods do not change if all lengths and gaps are
-  multiplied by one number, or all areas. They are multiplied by the number that
-  multiplies all velocities and gaps. So the sum of each derivative times its parameter
-  is 0, 0 and the velocity itself (Euler).
+- For rods of one material and section, e = l1/l2, where l1 is the shorter length. At
+  equal lengths l this function has a kink, with the slope 1/l on one side and -1/l on
+  the other.
+- Near T1 : T2 = 2 : 5 and for r = Z2/Z1 >= 1, e = (2 T1 + (r - 1) T2)/(T2 (1 + r)).
+  This formula is the sum of Saint-Venant's series.
+- The velocities after a collision of three rods do not change if all lengths and gaps,
+  or all areas, are multiplied by the same number. They are multiplied by the number
+  that multiplies all velocities and gaps. So the sum of parameters times derivatives is
+  0, 0 and the velocity itself, by Euler's theorem.
 
 Source: textbook section 10.5, box 10.4; Saint-Venant 1867, see saint_venant.py.
 """

@@ -1,26 +1,27 @@
 """Finite differences against the two other methods: the orders of their errors.
 
-Twelve systems are solved by "fronts", which is exact: two rods that differ in
-everything with and without a gap, stepped rods, a wall, rows of three and four, a
-bonded contact, initial strain, and two pairs of stepped rods that meet again after they
-have parted. Compared are the velocities of the centres, the impulses, and the velocity
-field, whose error is averaged over the rods at five times. The grids have 100 to 1600
-cells in the segment of the longest transit, half an octave apart; in plain Python they
-end at 800. The order of each error is found by least squares.
+Twelve systems are solved by "fronts", which is exact: two different rods with and
+without a gap, stepped rods, a wall, rows of three and four rods, a bonded contact,
+initial strain, and two pairs of stepped rods that touch again. The velocities of the
+centres of mass, the impulses and the velocity fields are compared. The error of a field
+is its mean over the rods at five times. The grids have 100 to 1600 cells in the segment
+with the longest transit time, and the number of cells grows by half an octave. In plain
+Python the largest number is 800. The order of each error is found by least squares.
 
-At a jump a grid of second order that loses no energy makes a wave train instead: its
-front grows as cell^(2/3), the train behind it falls off slowly, and the field converges
-in the mean with about half an order or more. Measured: 0.53 to 0.77 for the fields, the
-least where strain jumps at the start; 0.74 to 1.11 for velocities and impulses. Single
-errors pass through zero here and there: over whole octaves alone, one system of the
-twelve comes down to 0.60.
+A grid of second order without energy loss turns a jump into a wave train. The width of
+its front is proportional to h^(2/3), with the cell length h. The train behind the front
+decreases slowly, and the mean error of the field is of order one half or more. The
+measured orders are 0.53 to 0.77 for fields, smallest for initial strain with jumps, and
+0.74 to 1.11 for velocities and impulses. Single errors change their sign: with whole
+octaves only, one of the twelve systems has the order 0.60.
 
-Where everything is smooth the order is 2: a pulse that passes a step of the impedance,
-of which d'Alembert gives the whole field, and compliant ends, against "characteristics"
-at a relative accuracy of 1e-9 and the method of steps of `sphere_on_wall`.
+For smooth waves the order is 2. One system is a pulse that passes a step of the
+impedance, with the field of d'Alembert. The others have compliant ends, and are
+compared with "characteristics" at a relative accuracy of 1e-9 and with the method of
+steps of `sphere_on_wall`.
 
-Source: `fronts`, itself proved on rationals (`rational_proof`); for the orders at jumps
-P. Brenner, V. Thomée, L. B. Wahlbin, Besov Spaces and Applications to Difference
+Source: `fronts`, which is proved on fractions (`rational_proof`); for the orders at
+jumps P. Brenner, V. Thomée, L. B. Wahlbin, Besov Spaces and Applications to Difference
 Methods for Initial Value Problems, Lecture Notes in Mathematics 434, Springer 1975.
 """
 

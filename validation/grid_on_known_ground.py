@@ -1,14 +1,14 @@
-"""Finite differences where the answer is known: gravity, masses, ends, a Hopkinson bar.
+"""Finite differences against closed forms: gravity, masses, ends, a Hopkinson bar.
 
-The same cases as in `doyen`, `mass_on_rod` and `hopkinson`, by the method
-"finite-difference" with given cells. What begins or ends with a jump is right to about
-a cell; a rigid contact loses, as it closes, the energy of the nodes that meet, which
-halves with the cells. The energy ledger closes to round-off all the same, for that loss
-has its entry.
+The cases of `doyen`, `mass_on_rod` and `hopkinson` are solved by the method
+"finite-difference" with given cells. Quantities that begin or end with a jump have
+errors of about one cell. When a rigid contact closes, the energy of the nodes that meet
+is lost; this loss is proportional to the cell length. The energy balance still closes
+to round-off, because this loss has its own entry.
 
-Source: closed forms, as there; a constant force F on a free rod of mass m moves its
-centre by F t^2/(2 m), and a pulse that reaches an absorbing end leaves with all its
-energy.
+Source: closed forms, as in these cases; a constant force F on a free rod of mass m
+moves its centre by F t^2/(2 m), and a pulse that reaches an absorbing end leaves with
+all its energy.
 """
 
 import math

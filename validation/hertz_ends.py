@@ -1,30 +1,30 @@
-"""Rods with rounded ends: e falls from 1 to l1/l2 with stiffer ends or faster blows.
+"""Rods with rounded ends: e falls from 1 to l1/l2 for stiffer ends or higher speeds.
 
-Two rods of one material and thickness, lengths 0.4 : 1, meet with a Hertz contact F = k
-d^(3/2). The only number besides the lengths is the dimensionless stiffness
+Two rods of one material and area, with lengths 0.4 and 1, collide with the Hertz
+contact F = k d^(3/2). For given lengths e depends only on the dimensionless stiffness
 
-    kappa = k (V T)^(1/2) L/(E A),  L and T of the longer rod,
+kappa = k (V T)^(1/2) L/(E A),  L and T of the longer rod.
 
-so e depends on the closing speed as well, as kappa grows with its square root.
+So e also depends on the closing speed V, because kappa is proportional to V^(1/2).
 
-What is measured. With ends far softer than the rods the blow lasts many round trips,
-the waves even out and e = 1, as for spheres. From kappa = 0.02 to 0.4 it ripples below
-that, between 0.998 and 1, as the vibration left behind depends on how many of its
-periods the contact lasts. Then e falls, all the way, as the contact time comes near the
-round trip of the longer rod: 0.944 at kappa = 1, 0.617 at 10, 0.451 at 100, 0.411 at
-1000. It comes to l1/l2 = 0.4 slowly, e - 0.4 falling as kappa^(-2/3): only then the
-time in which the force comes up is short against the round trip of the shorter rod. A
-given pair of rods loses more the faster it meets: over four decades of speed from kappa
-= 1 on, e falls from 0.944 to 0.451. Steel rods 0.2 m and 0.5 m long and 10 mm thick
-meet at 0.1 m/s with e = 0.97 if their ends are half spheres, 0.83 if rounded to 50 mm,
-and 0.61 even where they look flat, rounded to 1 m: real rods, too, are found nearer to
-e = 1 than to l1/l2.
+Results. If the ends are much softer than the rods, the contact lasts many round trips
+of a wave. Hardly any vibration remains, and e = 1, as for spheres. From kappa = 0.02 to
+0.4, e varies between 0.998 and 1, because the remaining vibration depends on the number
+of its periods during the contact. For larger kappa the contact time approaches the
+round trip of the longer rod, and e falls: 0.944 at kappa = 1, 0.617 at 10, 0.451 at 100
+and 0.411 at 1000. The limit l1/l2 = 0.4 is approached slowly, with e - 0.4 proportional
+to kappa^(-2/3): the rise time of the force must be short compared with the round trip
+of the shorter rod. For a given pair of rods e falls with increasing speed: from 0.944
+to 0.451 over four decades of speed, starting at kappa = 1. Steel rods 0.2 m and 0.5 m
+long, with a diameter of 10 mm, collide at 0.1 m/s with e = 0.97 if their ends are half
+spheres. For a radius of 50 mm, e = 0.83. For a radius of 1 m the ends look flat, and
+still e = 0.61. Measured values for real rods are also nearer to 1 than to l1/l2.
 
 `draw` shows this in the figure hertz_ends.svg.
 
-Expected: the values of kappa to 1e-3; one in the ripples and those at three closing
-speeds to 1e-6 at the default tolerance, against the method of steps of
-`sphere_on_wall`; e the same for every k and V of one kappa.
+Expected: e at these values of kappa to 1e-3. One e at small kappa, and e at three
+closing speeds, agree with the method of steps of `sphere_on_wall` to 1e-6 at the
+default tolerance. All k and V with the same kappa give the same e.
 
 Source: H. Hertz, Journal für die reine und angewandte Mathematik 92 (1881); for real
 rods R. Cross, European Journal of Physics 42 (2021), doi 10.1088/1361-6404/ac25d2.

@@ -1,26 +1,27 @@
 """Pulses in Hopkinson bars: striker, incident bar, spring as specimen, other bar.
 
-A striker of length L hits a bar of the same impedance Z at speed v. It stops dead, and
-a pulse of force F = Z v/2 and duration D = 2 L/c runs off. Between two equal bars a
-spring of stiffness k stands for the specimen. With a = 2 k/Z, and t from the arrival of
-the pulse,
+A striker of length L hits a bar of the same impedance Z at the speed v. The striker
+stops, and a pulse with the force F = Z v/2 and the duration D = 2 L/c runs into the
+bar. A spring of stiffness k between two equal bars represents the specimen. With a = 2
+k/Z, and t from the arrival of the pulse,
 
     transmitted force while the pulse loads the spring: F (1 - exp(-a t)),
     reflected tension, at first F: F exp(-a t),
     reflected share of the energy: (1 - exp(-a D))/(a D).
 
-Afterwards the energy of the spring goes to both sides as exp(-a t). All energy that is
-not reflected leaves through the absorbing end of the transmitted bar. Forces, times and
-energies of the exact solution are expected to round-off.
+After the pulse the energy of the spring goes into both bars, with forces proportional
+to exp(-a t). All energy that is not reflected leaves through the absorbing end of the
+transmitted bar. Forces, times and energies must agree with the exact solution to
+round-off.
 
-Measured pulses are records of the examples of HopPyBar, read off at half height.
-Titanium bars of 9.47 mm have E = 109.3 GPa, rho = 4416 kg/m^3, c = 4975 m/s and a
-striker of 127 mm. Aluminium bars of 2.11 mm square have E = 71.7 GPa,
-rho = 2810 kg/m^3, c = 5051 m/s, a striker of 25.4 mm, and a gauge 102.02 mm before the
-end. Their pulses are rounded by lateral inertia and by contact that is not perfect at
-once, which this model leaves out. E and rho give agreement to 3 % for titanium, whose
-calibrated wave speed is 4865.9 m/s; with that speed it is 1 %. For aluminium both agree
-to 1 %.
+Measured pulses are records of the examples of HopPyBar. Their durations are measured at
+half height. Titanium bars of 9.47 mm have E = 109.3 GPa, rho = 4416 kg/m^3, c = 4975
+m/s and a striker of 127 mm. Aluminium bars of 2.11 mm square have E = 71.7 GPa, rho =
+2810 kg/m^3, c = 5051 m/s, a striker of 25.4 mm, and a gauge 102.02 mm before the end.
+Lateral inertia and imperfect contact, which this model does not contain, round these
+pulses. With the bar speed of E and rho the agreement is 3 % for titanium. With the
+calibrated wave speed, 4865.9 m/s, the agreement is 1 %. For aluminium the pulse length
+and the delay agree to 1 %.
 
 Source: K. F. Graff, Wave Motion in Elastic Solids, split Hopkinson bar; the spring by
 hand; LANL HopPyBar (https://github.com/lanl/HopPyBar), examples LANLstandard/Cu and

@@ -1,22 +1,21 @@
 """Horns: tapered rods on a grid against closed forms, fronts of waves, stepped rods.
 
-- Cone, A ~ s^2, s the distance from the apex: s u obeys d'Alembert. If the smaller end
-  has a given speed V, the velocity behind the front is v = V s0/s, and 0 before it,
-  until the wave is back. If a pressure P is given,
-  s u = (P s0^2/E) (1 - exp(-(c t - x)/s0)) and
-  v = (P c s0/(E s)) exp(-(c t - x)/s0).
-- The front arrives after L/c, changed by the factor (A0/A1)^(1/2), in a cone and in an
-  exponential horn alike. At the free end it doubles. Its arrival is the time at which
-  half of it has passed.
+- Cone, A ~ s^2 with the distance s from the apex: s u obeys the wave equation. If the
+  smaller end has a given speed V, the velocity behind the front is v = V s0/s, and 0
+  before it, until the wave is back. If a pressure P is given, s u = (P s0^2/E) (1 -
+  exp(-(c t - x)/s0)) and v = (P c s0/(E s)) exp(-(c t - x)/s0).
+- In a cone and in an exponential horn the front arrives after L/c, multiplied by the
+  factor (A0/A1)^(1/2). The velocity doubles at the free end. The time of arrival is the
+  time at which half of the front has passed.
 - Exponential horn, A = A0 exp(2 beta x): omega^2 = c^2 (k^2 + beta^2), k = n pi/L.
-  Between free ends u = exp(-beta x) (cos k x + (beta/k) sin k x), between fixed ends
-  u = exp(-beta x) sin k x. With beta L = 4 the lowest mode lies well above the cut-off
-  c beta, below which no wave runs; without the taper it would lie below it. Frequencies
-  are read off as in `lateral_inertia`.
-- A rod strikes a horn, on a grid and as a rod of 200 steps by "fronts". They agree to
-  1e-5 (the bound is 5e-5) where the horn widens and the force falls to zero slowly.
-  Where it narrows, the force ends in a jump, and the remaining difference, 9e-4 of e
-  (the bound is 2e-3), halves with the cells.
+  Between free ends u = exp(-beta x) (cos k x + (beta/k) sin k x), between fixed ends u
+  = exp(-beta x) sin k x. No wave runs below the cut-off frequency c beta. With beta L =
+  4 the frequency of the lowest mode is well above the cut-off; without the taper it
+  would be below. Frequencies are measured as in `lateral_inertia`.
+- A rod strikes a horn. The grid is compared with a rod of 200 steps, solved by
+  "fronts". If the horn widens, the force falls to zero slowly, and e agrees to 1e-5
+  (the bound is 5e-5). If the horn narrows, the force ends in a jump. The difference of
+  e is then 9e-4 (the bound is 2e-3), and is proportional to the cell length.
 
 Source: Lord Rayleigh, The Theory of Sound, chapter XIV; A. G. Webster, Acoustical
 impedance, and the theory of horns and of the phonograph, Proc. Natl. Acad. Sci. USA 5

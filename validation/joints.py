@@ -1,38 +1,39 @@
 """Rods joined by a spring, by a dashpot, or by both.
 
-Two free rods on a spring of stiffness k have the impedances Z1, Z2 and the transit
-times T1, T2. In a mode of angular frequency w the velocity of each rod is a cos(w x/c),
-with x from its free end. The tension at the joint is Z a sin(w T), but for the sign. It
-is the tension of the spring, and moves the end of each rod by cot(w T)/(Z w) for a unit
-of it. Hence
+Two free rods, joined by a spring of stiffness k, have the impedances Z1, Z2 and the
+transit times T1, T2. In a mode of angular frequency w the velocity of each rod is a
+cos(w x/c), with x from its free end. Except for the sign, the tension at the joint is Z
+a sin(w T). The same tension acts in the spring. A unit tension moves the end of each
+rod by cot(w T)/(Z w). Hence
 
     w/k = cot(w T1)/Z1 + cot(w T2)/Z2.
 
-Between two neighbouring poles the right side falls through all values, so there is one
-mode. Its modal mass is the sum over the rods of Z a^2 (T/2 + sin(2 w T)/(4 w)), and a
-rod of velocity V takes part by Z V a sin(w T)/w. If the rods start with the shape of a
-mode, the spring swings with w; the time of its tenth passage of 0 is compared. If one
-rod starts at velocity V, the stretch is the sum of all modes; 501 times over five round
-trips are compared. The sum of 5000 modes is good to 2e-10.
+Between two neighbouring poles the right side falls through all values, so there is
+exactly one mode. Its modal mass is the sum over the rods of Z a^2 (T/2 + sin(2 w T)/(4
+w)), and a rod of velocity V contributes Z V a sin(w T)/w. If the rods start with the
+shape of a mode, the spring oscillates with w, and the time of its tenth passage through
+0 is compared. If one rod starts with the velocity V, the stretch is the sum of all
+modes, and its values at 501 times over five round trips are compared. The sum of 5000
+modes is accurate to 2e-10.
 
-A dashpot c stands between endless bars. A wave of velocity v in the first bar pushes
-with F = c (v1 - v2), where v1 = 2 v - F/Z1 and v2 = F/Z2. If both bars are alike,
+A dashpot c joins two infinite bars. A wave of velocity v in the first bar causes the
+force F = c (v1 - v2), where v1 = 2 v - F/Z1 and v2 = F/Z2. If both bars are equal,
 
     F/(Z v) = 2 c/(2 c + Z) is transmitted, Z/(2 c + Z) is reflected,
 
-and for c = Z/2 half of the energy is lost. Between a rod and a wall c = Z takes all of
-it.
+and for c = Z/2 half of the energy is lost. Between a rod and a wall a dashpot c = Z
+absorbs all of the energy.
 
-A mass M hangs by a spring and a dashpot on the end of an endless bar, which acts as a
-dashpot Z. This is a linear system of equations, whose solution is an exponential of a
-matrix.
+A mass M is joined by a spring and a dashpot to the end of an infinite bar, which acts
+as a dashpot Z. This is a linear system of equations. Its solution is the exponential of
+a matrix.
 
-Expected of characteristics at a relative tolerance of 1e-10: frequencies and stretches
-to 1e-8 of the largest, and the energy, with that of the spring and the loss of the
-dashpot, to 1e-12, as jumps at a dashpot. Expected of a grid of 200 cells to a transit:
-frequencies to 2e-5, stretches to 1e-4 of the largest (3e-4 with the mass), the impulse
-of a jump at a dashpot to 1e-6, and the loss there to 2e-2, as waves from node to node
-blur jumps; the energy to 1e-12.
+Expected accuracy of characteristics at a relative tolerance of 1e-10: frequencies and
+stretches to 1e-8 of the largest value; the energy balance, with spring and dashpot, and
+jumps at a dashpot to 1e-12. Expected accuracy of a grid with 200 cells per transit:
+frequencies to 2e-5, stretches to 1e-4 of the largest value (3e-4 with the mass), the
+impulse of a jump at a dashpot to 1e-6. The loss of a jump in the dashpot is expected
+only to 2e-2, because the grid blurs jumps. The energy balance is expected to 1e-12.
 
 Source: the derivations above; for modes of bars L. Meirovitch, Fundamentals of
 Vibrations, McGraw-Hill 2001, ch. 8.

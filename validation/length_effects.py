@@ -1,25 +1,29 @@
-"""What lengths do: families of pairs, blows on a rod with a nose, chains and cradles.
+"""Effects of lengths: families of pairs, a rod with a nose, chains and cradles.
 
-Hand values, in units of the transit time T and velocity v of the moving rod:
+The expected values are computed by hand, in units of the transit time T and the
+velocity v of the moving rod:
 
-- Two uniform rods of one material, at any lengths and areas, against the formula of
-  Saint-Venant. If their areas are equal, e is the shorter length over the longer; if
-  their transit times are equal, e = 1.
-- A rod of impedance 1 strikes a rod with a nose of impedance z > 1 and transit time
-  L > T before a very heavy and long body of impedance Z. The force ends at 2 T, and the
-  striker goes back at (z - 1)/(z + 1). The blow runs through the nose and comes back
-  with the fraction r = (Z - z)/(Z + z). From 2 L to 2 L + 2 T it drives the struck end
-  after the striker, at 2 r/(z + 1). They meet again if z < 1 + 2 r T/L.
-- Chain of n equal rods: the last takes over the velocity of the first, all others stay
-  at rest. The centre of mass of all struck rods moves off at v/(n - 1), so that between
-  them and the first rod e is 1/(n - 1), the same as if they were bonded together.
-- Five rods of one area, the first l0 long, the others l: as many rods leave as fit into
-  the length of the first. The last leaves at v if it is no longer than l0, the one
-  before it takes the rest, and so on: velocities v, counted k = 0, 1, ... from the
-  last, are l0/l - k between 0 and 1.
-- Five rods of one length, the others a >= 1 times as thick as the first: only the first
-  contact reflects. The first rod leaves at (1 - a)/(1 + a), the last at 2/(1 + a), the
-  others stay.
+- Two uniform rods of one material, with any lengths and areas, are compared with the
+  formula of Saint-Venant. If their areas are equal, e is the shorter length divided by
+  the longer length. If their transit times are equal, e = 1.
+- A rod of impedance 1 strikes a rod with a nose of impedance z > 1 and transit time L >
+  T before a very heavy and long body of impedance Z. The force ends at 2 T, and the
+  striker rebounds at (z - 1)/(z + 1). The pulse runs through the nose and is reflected
+  with the factor r = (Z - z)/(Z + z). From 2 L to 2 L + 2 T the reflected pulse moves
+  the struck end behind the striker at 2 r/(z + 1). The striker and the rod touch again
+  if z < 1 + 2 r T/L.
+- Chain of n equal rods: the last rod takes the velocity of the first, and all others
+  are at rest. The centre of mass of all struck rods moves at v/(n - 1). So e between
+  the struck rods and the first rod is 1/(n - 1), as if the struck rods were bonded
+  together.
+- Five rods of one area: the first rod has the length l0, the others have the length l.
+  The number of rods that leave is the number that fits into l0. The last rod leaves at
+  v if l <= l0, the rod before it takes the rest of the momentum, and so on. With k = 0,
+  1, ... counted from the last rod, the velocity of rod k is v (l0/l - k), limited to
+  the range from 0 to v.
+- Five rods of one length: the area of the others is a >= 1 times the area of the first.
+  Only the first contact reflects. The first rod leaves at (1 - a)/(1 + a) and the last
+  rod at 2/(1 + a). The others are at rest.
 
 Source: B. de Saint-Venant, Sur le choc longitudinal de deux barres élastiques, Journal
 de mathématiques pures et appliquées 12 (1867); the rest by hand: waves reflected at a

@@ -1,19 +1,20 @@
 """A rigid mass strikes a rod: with its far end free, and with its far end fixed.
 
-Free end: with mu = m/M, the mass of the rod over that of the striker, the force is
-Z V exp(-t Z/M) for 2 L/c. Then the reflected wave meets the mass and ends the force:
+Free end: let mu = m/M be the mass of the rod divided by the mass of the striker. The
+force is Z V exp(-t Z/M) for 2 L/c. Then the reflected wave arrives at the mass and ends
+the force:
 
     e = (1 - exp(-2 mu))/mu - exp(-2 mu), impulse = M V (1 - exp(-2 mu)).
 
 Both are expected to 1e-12 at the default tolerance.
 
-Fixed end: the blow goes to and fro while the mass presses. Compared are the contact
-time in L/c, the peak stress in rho c V at the struck and at the fixed end, and the
-velocity of the mass over V as it lets go. The table is for the first contact, and its
-bounds are half of the last digit. For M/m = 1, 4 and 6 the rod swings back and strikes
-the mass once more, which leaves for good with another velocity. Timoshenko and Goodier
-are remembered to give 7.419 for M/m = 6; two computations independent of this one give
-7.4077.
+Fixed end: the wave runs back and forth while the mass presses. The compared quantities
+are the contact time divided by L/c, the peak stress at the struck end and at the fixed
+end divided by rho c V, and the velocity of the mass at the opening divided by V. The
+table is for the first contact, and its bounds are half of the last digit. For M/m = 1,
+4 and 6 the rod strikes the mass again, and the mass then leaves with another velocity.
+For M/m = 6 Timoshenko and Goodier probably give 7.419; two computations independent of
+this one give 7.4077.
 
 Source: B. de Saint-Venant and J. Boussinesq, in S. P. Timoshenko and J. N. Goodier,
 Theory of Elasticity, longitudinal impact of bars.

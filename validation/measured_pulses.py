@@ -1,10 +1,10 @@
-"""Records of three Hopkinson bars, and what of them the theory explains.
+"""Records of three Hopkinson bars, compared with several models.
 
-The incident pulse. A striker hits the bar with rounded ends (Hertz) or flat ones. `fit`
-finds the length of the striker, which stands for the duration of the pulse, and one
-number of the contact or of the measuring chain; time and amplitude are free, as neither
-trigger nor speed was recorded. Misfit is the root of the mean square over the plateau,
-in per cent::
+The incident pulse. A striker hits the bar with rounded ends (Hertz) or with flat ends.
+`fit` finds the length of the striker, which determines the duration of the pulse, and
+one number of the contact or of the measuring chain. Time and amplitude are also fitted,
+because neither the trigger nor the speed was recorded. The misfit is the root mean
+square of the difference, divided by the plateau, in per cent::
 
     model                                             titanium  mini aluminium  steel
     flat ends, waves that keep their shape                 8.4             7.6    8.7
@@ -16,15 +16,16 @@ in per cent::
     Hertz, Mindlin-Herrmann, section of the striker free   1.3             3.1    2.7
     Hertz, Mindlin-Herrmann, a blur of the chain           1.5             3.4    2.1
 
-The exact first mode (Pochhammer and Chree) alone disperses the bar and not the striker,
-through which the release wave runs twice: Mindlin and Herrmann's theory near the struck
-end mends that. Its section stands for the impedance of the striker; that of titanium
-has a diameter of 9.65 mm, for 9.47 mm. Repeated shots differ by 1 to 3 %. `python -m
+The exact first mode (Pochhammer and Chree) alone describes dispersion in the bar, but
+not in the striker, through which the release wave runs twice. The theory of Mindlin and
+Herrmann near the struck end also describes dispersion in the striker. The section of
+the striker represents its impedance: for titanium the fitted diameter is 9.65 mm, and
+the true diameter is 9.47 mm. Repeated shots differ by 1 to 3 %. `python -m
 validation.measured_pulses` prints this table with the processor time of each fit.
 
-Which addition to Hertz and Mindlin-Herrmann earns its place? The misfits, and behind
-them those of blocks that a fit of the other blocks predicts (`fit` with `additions`; a
-star where it says yes)::
+Which addition to Hertz and Mindlin-Herrmann earns its place? The first number is the
+misfit. The second number is the misfit of blocks that a fit to the other blocks
+predicts (`fit` with `additions`). A star marks an addition that earns its place::
 
     addition                   titanium      mini aluminium    steel
     none                       1.49, 1.88    3.50, 3.88        2.76, 3.50
@@ -35,19 +36,22 @@ star where it says yes)::
 With its wave speed free as well, titanium has 4726 +- 24 m/s by the exact mode in the
 bar alone, 4810 +- 20 m/s with Mindlin and Herrmann's theory near the struck end, 4992
 +- 17 m/s with that theory all the way, and 4529 +- 26 m/s with Rayleigh and Love's. The
-laboratory calibrated 4866 m/s; E and rho give 4975 m/s. So the theory decides, and not
-the noise, whose part the standard errors are: `Fit.against` prints by how much a number
-moves. With 4866 m/s given the striker is 124.0 +- 0.3 mm long, with 4975 m/s 126.7 +-
-0.3 mm; it had 127.
+laboratory calibrated 4866 m/s; E and rho give 4975 m/s. So the choice of theory changes
+the wave speed more than the noise, from which the standard errors follow: `Fit.against`
+prints the change of each number. With a given wave speed of 4866 m/s the fitted striker
+is 124.0 +- 0.3 mm long. With 4975 m/s it is 126.7 +- 0.3 mm long. The true length was
+127 mm.
 
-Equilibrium of the specimen. Incident, reflected and transmitted pulse are carried to
-the specimen; the forces of the first two must be that of the third. The misfit is taken
-where the incident pulse is above half its height and 20 us to either side. The
-reflected and the transmitted pulse may each be up to 6 us later or earlier and 6 %
-larger or smaller, as gauges are placed and calibrated: that leaves 2.5 % for titanium
-and 2.0 % for steel; without dispersion 4.6 and 3.4, without any freedom 3.9 and 6.7.
+Equilibrium of the specimen. The incident, the reflected and the transmitted pulse are
+propagated to the specimen. The sum of the forces of the first two pulses must be the
+force of the third pulse. The misfit is computed for the time in which the incident
+pulse is above half of its height, and for 20 us before and after. The reflected and the
+transmitted pulse may each be shifted by up to 6 us and scaled by up to 6 %, because of
+errors of the positions and calibrations of gauges. Then the misfit is 2.5 % for
+titanium and 2.0 % for steel. Without dispersion it is 4.6 and 3.4 %. Without shifts and
+factors it is 3.9 and 6.7 %.
 
-Expected: 0, with bounds a little above these numbers.
+The expected misfit is 0, with bounds slightly above these numbers.
 
 Source: measurements, see records/README.md; A. Tyas and A. J. Watson, International
 Journal of Impact Engineering 25 (2001) 87.

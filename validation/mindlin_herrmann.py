@@ -1,27 +1,29 @@
 """Lateral inertia by Mindlin and Herrmann: phase velocities, energy, distant fronts.
 
-- Standing waves sin(k x) of a held round bar of nu = 0.29, 25 cells a radius: both
-  frequencies are read off the velocity at a belly, for which v(t + 2 dt) + v(t - 2 dt)
-  + p (v(t + dt) + v(t - dt)) + r v(t) = 0. Both stand beside the theory's closed form,
-  and the slower one beside the exact first mode of Pochhammer and Chree, from which the
-  theory is up to 0.01 c away. From six cells a radius to 25 the errors of both fall
-  with the square of the cells, at the shortest wave, too.
-- The energy ledger of bars that meet, part and are bonded, of three radii and both
-  theories.
-- A steel bar of 19 mm, whose end is brought to speed 1 evenly, within 7.5 us:
-  velocities 1 m away against the sum over modes of a held bar of 2.2 m, and the time
-  from 10 to 90 % after 1 and 4 m against exact dispersion. Here Rayleigh and Love's
-  theory is the better one: 2 and 1 % off, Mindlin and Herrmann's 8 and 9 %.
-- The pulse of a striker with rounded ends in a steel bar of 16 mm, carried 30 to 500
-  diameters by the waves of either theory and by the exact first mode: root of the mean
-  square of the difference, while the pulse lasts, over its peak. Up to some 60
-  diameters Mindlin and Herrmann's theory is the better one.
-- A step that `Signal.propagated` carries 50 000 diameters: its front is Skalak's, an
-  integral of Airy's function, with values that do not depend on the bar.
+- Standing waves sin(k x) of a fixed round bar with nu = 0.29 and 25 cells per radius.
+  Both frequencies follow from the velocity v at an antinode, for which v(t + 2 dt) +
+  v(t - 2 dt) + p (v(t + dt) + v(t - dt)) + r v(t) = 0. Both frequencies are compared
+  with the closed form of the theory. The lower frequency is also compared with the
+  exact first mode of Pochhammer and Chree, from which the theory differs by up to 0.01
+  c. From 6 to 25 cells per radius the errors of both frequencies fall with the square
+  of the cell length, also for the shortest wave.
+- The energy balance of bars that collide, separate and are bonded, with three radii and
+  both theories.
+- The end of a steel bar of diameter 19 mm is accelerated smoothly to the speed 1 within
+  7.5 us. Velocities at 1 m are compared with the sum over the modes of a fixed bar of
+  2.2 m. The rise time from 10 to 90 % after 1 and 4 m is compared with exact
+  dispersion. Here the theory of Rayleigh and Love is more accurate: its errors are 2
+  and 1 %, those of Mindlin and Herrmann 8 and 9 %.
+- The pulse of a striker with rounded ends in a steel bar of diameter 16 mm is
+  propagated over 30 to 500 diameters, by the waves of both theories and by the exact
+  first mode. The difference is the root mean square during the pulse, divided by the
+  peak. Up to about 60 diameters the theory of Mindlin and Herrmann is more accurate.
+- `Signal.propagated` propagates a step over 50 000 diameters. Its front must be that of
+  Skalak, an integral of the Airy function, with values that do not depend on the bar.
 
-Modes of a bar of length D with the end x = 0 moved and the other one held, V(w) the
-spectrum of the acceleration, a raised cosine of the duration T, and both branches w of
-k = n pi/D::
+The modes belong to a bar of length D, whose end x = 0 is moved and whose other end is
+fixed. V(w) is the spectrum of the acceleration, a raised cosine of the duration T. For
+both branches w of k = n pi/D::
 
     v = 1 - x/D - sum over k and w of 2 sin(k x) share(w) V(w) cos(w (t - T/2))/(k D)
     share(slow) = (fast^2 - c1^2 k^2)/(fast^2 - slow^2), share(fast) = 1 - share(slow)

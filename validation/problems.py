@@ -1,9 +1,9 @@
 """The twelve problems of the textbook's section on collisions in one dimension.
 
-Where the problem gives numbers, the expected ones are worked out by hand, as fractions.
-Where it asks for a formula, the formula is compared with rodimpact over a grid or over
-random draws, and the row gives the largest deviation. Bounces and bullets are also
-followed collision by collision, from `rigid.collide` alone.
+If a problem gives numbers, the expected results are computed by hand, as fractions. If
+a problem asks for a formula, the formula is compared with rodimpact on a grid or for
+random numbers, and the table gives the largest deviation. Bounces and bullets are also
+followed collision by collision, with `rigid.collide` alone.
 
 Source: textbook section 10.5, "Collisions in 1D", problems 10.5.1 to 10.5.12.
 """

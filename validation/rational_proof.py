@@ -1,8 +1,9 @@
 """The same kernel in plain Python on fractions: e is not nearly l1/l2, it is l1/l2.
 
-Waves are `fractions.Fraction`, times whole numbers, the tolerance is 0. For rods of one
-material and area e == Fraction(l1, l2); for any impedances e equals Saint-Venant's
-formula evaluated in fractions. Nothing is rounded anywhere, so the bounds are 0.
+Waves are of the type `fractions.Fraction`, times are integers, and the tolerance is 0.
+For rods of one material and area, e == Fraction(l1, l2). For any impedances e equals
+the formula of Saint-Venant, evaluated in fractions. Nothing is rounded, so the bounds
+are 0.
 
 Source: textbook section 10.5, box 10.4; Saint-Venant 1867, see saint_venant.py.
 """

@@ -1,28 +1,30 @@
 """From elastic rods to rigid bodies and back.
 
-The waves in two rods decide their coefficient of restitution. Given that one number,
-`rigid.collide` must find the velocities of the rods and the impulse of their contact,
-and the energy it calls lost must be the vibration the rods are left with: for pairs of
-uniform rods, pairs of stepped rods, and rods on fixed and moving walls, at random. The
-rods' velocities and vibration are measured in the waves at the end of the run, the
-impulse at the contact.
+The waves in two rods determine their coefficient of restitution e. With this e
+`rigid.collide` must give the velocities of the rods and the impulse of their contact.
+The energy that is lost in the rigid collision must be the vibration energy of the rods.
+This is compared for random pairs of uniform rods and of stepped rods, and for rods on
+fixed and moving walls. The velocities and the vibration energy of the rods are measured
+from the waves at the end of the run, and the impulse at the contact.
 
-Rods add to the section's remarks on e; `box_10_4` treats those of box 10.4.
+Elastic rods are examples for the remarks of the section on e; `box_10_4` treats the
+remarks of box 10.4.
 
-- The section marvels that e hardly depends on the speed. Elastic rods have exactly one
-  e at all speeds.
-- One material gives any e: steel rods with lengths as 5 to 9, or 15 to 16, have the
-  ratios that Newton measured with balls of wool and of glass.
-- Identical rods collide elastically if they are uniform. Take two rods, each a piece of
-  impedance 1 and one of impedance 3 with equal transit times: meeting with the thin
-  ends they have e = 1, with the thick ends e = 1/2. So e belongs not to a pair of
-  bodies but to how they meet, and there are elastic collisions of rods that are not
-  uniform.
+- The section notes with surprise that e hardly depends on the speed. For elastic rods e
+  does not depend on the speed at all.
+- One material can have any e: steel rods with the length ratios 5 to 9 and 15 to 16
+  have the values of e that Newton measured with balls of wool and of glass.
+- Identical uniform rods collide elastically. Identical stepped rods need not: let each
+  rod have a piece of impedance 1 and a piece of impedance 3 with equal transit times.
+  If the thin ends collide, e = 1. If the thick ends collide, e = 1/2. So e is not a
+  property of a pair of bodies: it also depends on the ends that collide. Rods that are
+  not uniform can also collide elastically.
 
-The values for stepped rods are worked out by hand. With the closing speed and the lower
-impedance as units, a rod that strikes a wall with the thin end of 1 : 3 presses with 1,
-2, 1, each for a round trip of one piece, and with the thick end with 3; with the thin
-end of 1 : 2 it presses with 1, 5/3, 1/9, and with the thick end with 2, 2/3.
+The values for stepped rods are computed by hand, in units of the closing speed and the
+lower impedance. Each force lasts for the round trip of one piece. If a rod of
+impedances 1 and 3 strikes a wall with the thin end, the forces are 1, 2, 1; with the
+thick end the force is 3. If a rod of impedances 1 and 2 strikes a wall with the thin
+end, the forces are 1, 5/3, 1/9; with the thick end they are 2, 2/3.
 
 Source: textbook section 10.5, "Collisions in 1D": eq. 10.56, its footnotes, boxes 10.4
 and 10.5.

@@ -1,12 +1,13 @@
 """Rows of more than two rods.
 
-- Newton's cradle of five equal rods: one comes, one goes, as in textbooks about balls;
-  two come, two go. Every other rod is at rest, inside as well.
-- Three rods of one impedance, each longer than the one before: the pulse of the first
-  passes through the second into the third, which takes all the momentum: its velocity
-  is l1/l3 of the first one's.
-- Eight rods of many lengths and areas: momentum and energy of the bodies balance, and
-  at every contact what the left part of the row lost the right part gained.
+- Newton's cradle of five equal rods: if one rod arrives, one rod leaves, as in
+  textbooks for balls. If two rods arrive, two rods leave. All other rods are at rest,
+  without vibration.
+- Three rods of one impedance, each longer than the rod before: the pulse of the first
+  rod passes through the second into the third rod. The third rod takes all the
+  momentum, so its velocity is l1/l3 times the initial velocity.
+- Eight rods of different lengths and areas: momentum and energy balance. At every
+  contact the left part of the row loses the momentum that the right part gains.
 
 Source: balances of momentum and energy; waves of equal impedance pass through a closed
 contact unchanged.

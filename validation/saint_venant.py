@@ -1,17 +1,19 @@
 """Two uniform free rods that differ in length, area and material.
 
-The shorter transit time T names the short rod. If its impedance is the smaller one, the
-force V Z1 Z2/(Z1 + Z2) ends after 2 T_short. Otherwise the force falls every 2 T_short
-by the factor
+The short rod is the rod with the shorter transit time T. If its impedance is the
+smaller impedance, the force V Z1 Z2/(Z1 + Z2) ends after 2 T_short. Otherwise the force
+is multiplied after every 2 T_short by the factor
 
     q = (Z_short - Z_long)/(Z_short + Z_long)
 
-and ends after 2 T_long. Compared are hand values of that formula, one pair that differs
-in everything, and random pairs against `rodimpact.theory`, to round-off.
+and ends after 2 T_long. The solver is compared with values of this formula computed by
+hand, also for a pair with different lengths, areas and materials. Random pairs are
+compared with `rodimpact.theory`, to round-off.
 
-The solver takes a wave below 2^-48 of the velocity scale for none. Let K be the number
-of round trips of the short rod. If q^K falls below that, the force ends early by a last
-part that carries no impulse, so durations are compared only if q^K > 2^-46.
+The solver ignores waves below 2^-48 of the velocity scale. Let K be the number of round
+trips of the short rod. If q^K is smaller than 2^-48, the computed force ends early: the
+last part, which has no impulse, is missing. So durations are compared only if q^K >
+2^-46.
 
 Source: B. de Saint-Venant, Sur le choc longitudinal de deux barres élastiques, Journal
 de mathématiques pures et appliquées 12 (1867); S. P. Timoshenko and J. N. Goodier,

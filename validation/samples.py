@@ -1,12 +1,12 @@
 """The three solved samples of the textbook's section on collisions in one dimension.
 
-- 10.19: a block of 2 kg at 0.5 m/s runs into one of 10 kg at 0.2 m/s, without loss: the
-  first stops, the second goes on at 0.3 m/s.
-- 10.20: a ball of 0.5 kg meets a wall at 10 m/s and leaves it at 9 m/s; if the force is
-  a raised cosine that lasts 0.1 s or 1 ms, it has a peak of 190 N or 19 kN.
-- 10.21: a tennis ball dropped on top of a basketball ten times as heavy rises to 3.11
-  times the height of the drop, and for a very heavy basketball to (e1 + e2 + e1 e2)^2
-  times that height.
+- 10.19: a block of 2 kg at 0.5 m/s hits a block of 10 kg at 0.2 m/s without loss. The
+  first block stops, and the second block moves at 0.3 m/s.
+- 10.20: a ball of 0.5 kg hits a wall at 10 m/s and leaves at 9 m/s. If the force is a
+  raised cosine that lasts 0.1 s or 1 ms, its peak is 190 N or 19 kN.
+- 10.21: a tennis ball is dropped on top of a basketball that is ten times as heavy. The
+  tennis ball rises to 3.11 times the height of the drop. With a very heavy basketball
+  the tennis ball rises to (e1 + e2 + e1 e2)^2 times this height.
 
 Source: textbook section 10.5, "Collisions in 1D", samples 10.19 to 10.21.
 """

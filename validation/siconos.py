@@ -1,8 +1,8 @@
 """A bar falls on a rigid floor: the ImpactingBar example of Siconos.
 
-E = 210 GPa, rho = 7800 kg/m^3, A = 3.14e-4 m^2, L = 1 m, falling at 0.1 m/s from a gap
-of 50 um, no gravity. Impact after gap/speed, contact for 2 L/c, force Z v, rebound with
-e = 1.
+The bar has E = 210 GPa, rho = 7800 kg/m^3, A = 3.14e-4 m^2 and L = 1 m. It moves at 0.1
+m/s towards the floor, 50 um away, without gravity. The impact begins after gap/speed.
+The contact lasts 2 L/c with the force Z v, and the bar rebounds with e = 1.
 
 Source: Siconos tutorials, mechanics, ImpactingBar
 (https://github.com/siconos/siconos-tutorials).

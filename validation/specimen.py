@@ -1,19 +1,21 @@
 """A copper specimen between two Hopkinson bars, driven by the pulse that was measured.
 
-The record of the incident bar up to 115 us, and 0 after, comes in through the end of a
-bar at its gauge; between the bars lies a specimen that yields. One fit of its
-stiffness, yield force and hardening to the reflected and the transmitted pulse. Misfit
-is the root of the mean square from 120 to 235 us over the plateau of the incident
-pulse, the median of its samples above 2.5 V.
+The incoming wave is the record of the incident bar up to 115 us, and 0 afterwards. It
+enters through the end of a bar at the position of the gauge. A yielding specimen lies
+between the bars. The stiffness, the yield force and the hardening of the specimen are
+fitted to the reflected and the transmitted pulse together. The misfit is the root mean
+square from 120 to 235 us, divided by the plateau of the incident pulse. The plateau is
+the median of the samples above 2.5 V.
 
-Bars without dispersion leave 5.1 % of the reflected pulse and 2.2 % of the transmitted
-one; with a spring for the specimen it is 21 and 19. Carried to the specimen and from
-there to the gauges by the exact first mode, 2.8 and 2.1. The fit finds 610 +- 110 N/um,
-4.0 +- 0.6 kN and 16.4 +- 0.8 N/um, with dispersion 760 +- 130, 3.5 +- 0.4 and 16.9 +-
-0.6. Errors of yield force and hardening go together (correlation -0.7); model error is
-not in them.
+With bars without dispersion the misfit is 5.1 % for the reflected pulse and 2.2 % for
+the transmitted pulse. With a spring in place of the specimen it is 21 and 19 %. If the
+exact first mode propagates the pulses to the specimen and to the gauges, it is 2.8 and
+2.1 %. Without dispersion the fit finds 610 +- 110 N/um, 4.0 +- 0.6 kN and 16.4 +- 0.8
+N/um. With dispersion it finds 760 +- 130 N/um, 3.5 +- 0.4 kN and 16.9 +- 0.6 N/um. The
+errors of yield force and hardening are correlated (-0.7). These errors do not include
+the error of the model.
 
-Expected: 0, with bounds a little above these numbers.
+The expected misfit is 0, with bounds slightly above these numbers.
 
 Source: measurements, see records/README.md.
 """

@@ -1,21 +1,25 @@
 """A steel rod with a spherical end on a wall, and a ball on a rod: method of steps.
 
-If a rod of free far end is struck with the force F, the wave that left its end comes
-back after 2 T. With Y = 1/Z its end yields by
-Y F(t) + 2 Y [F(t - 2 T) + F(t - 4 T) + ...]. A mass M yields by J(t)/M, J the impulse
-until t. The indentation d therefore obeys the delay equation
+If a rod with a free far end is struck with the force F, the wave that left the struck
+end returns after 2 T. The velocity of the struck end, with Y = 1/Z, is
+
+    Y F(t) + 2 Y [F(t - 2 T) + F(t - 4 T) + ...].
+
+A mass M gets the velocity J(t)/M, where J is the impulse until t. So the overlap d
+obeys the delay equation
 
     d' = V - sum over rods of Y [F(t) + 2 F(t - 2 T) + ...] - J/M,
     F = k max(d, 0)^(3/2).
 
-It is solved from one reflection to the next with scipy's DOP853 at a relative tolerance
-of 1e-12: no time step in common with the package, and no line of code.
+This equation is solved from one reflection to the next with DOP853 of scipy, at a
+relative tolerance of 1e-12. The solution shares neither time steps nor code with the
+package.
 
-The rod is 0.5 m long and 20 mm thick, its end a sphere of 50 mm, E* = E/(2 (1 - nu^2))
-as against a wall of the same steel, V = 2 m/s. The ball is a rigid mass with that
-stiffness. Expected at the default tolerance: the impulse to 1e-8, and the peak force to
-the 6 digits that the reference has. At a relative tolerance of 1e-10 the energy is kept
-to 1e-13.
+The rod is 0.5 m long, with a diameter of 20 mm and an end of radius 50 mm. The wall is
+of the same steel, so E* = E/(2 (1 - nu^2)). The speed is V = 2 m/s. The ball is a rigid
+mass with the same contact stiffness. Expected at the default tolerance: the impulse to
+1e-8, and the peak force to the 6 digits of the reference. At a relative tolerance of
+1e-10 the energy is conserved to 1e-13.
 
 Source: H. Hertz, Über die Berührung fester elastischer Körper, Journal für die reine
 und angewandte Mathematik 92 (1881); method of steps for delay equations.

@@ -36,19 +36,20 @@ FIGURES = {  # figures that the page of a case shows
 INTRODUCTION = """# Validation
 
 Here are {cases} cases with {numbers} numbers. Each number that rodimpact computes is
-compared with one from another source: a closed form, a published test problem, a
-measured record, another program, the textbook. Each difference must stay within a
-bound, which is given in advance. The page of a case tells what is compared, and lists
-all of its numbers, sources and bounds.
+compared with a number from another source: a closed form, a published test problem, a
+measured record, another program, or the textbook. Each difference must stay within a
+bound that is given in advance. The page of a case explains the comparison, and lists
+all numbers, sources and bounds.
 
-`source` is the first that the page of a case names. `numbers` counts its comparisons.
-`share of bound` is the largest difference over its bound, where bounds are wider than
-round-off: 100 % is the limit. Shares near 100 % belong to bounds that were drawn around
-a measured difference, such as the misfit to a record.
+The column `source` gives the first source of a case, and `numbers` counts its
+comparisons. `share of bound` is the largest ratio of a difference to its bound, for
+bounds that are wider than round-off: 100 % is the limit. Shares near 100 % belong to
+bounds that were set slightly above a measured difference, such as the misfit to a
+record.
 
-`python -m validation` runs all cases, writes these pages, and refuses to write if a
-bound is broken. `python -m validation.figures` draws the pictures,
-`python -m validation.performance` measures the speed.
+`python -m validation` runs all cases and writes these pages, unless a bound is broken.
+`python -m validation.figures` draws the figures, and `python -m validation.performance`
+measures the speed.
 
 """
 
