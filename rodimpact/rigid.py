@@ -1,12 +1,12 @@
 """Rigid-body collisions on a line, from momentum and a coefficient of restitution.
 
-The impulse P between the two bodies decides both velocities. The momentum balance does
-not determine P. The coefficient of restitution e does: it is the velocity at which the
-bodies part, divided by the velocity at which they met. `stack_drop` repeats this
-collision, `collide`, for each ball of a stack.
+The impulse P between the two bodies determines both velocities. P follows from the
+coefficient of restitution e, which is the speed of separation divided by the speed of
+approach. `collide` computes one collision. `stack_drop` computes one collision for each
+ball of a stack.
 
 Arguments broadcast as in NumPy. Results are floats if every argument is a single
-number. Velocities are positive to the right, and body 1 is the left one. Numbers of
+number. Velocities are positive to the right. Body 1 is on the left. Numbers of
 equations, samples and problems are those of the textbook section 10.5, "Collisions in
 1D".
 """
@@ -62,7 +62,7 @@ _NOT_APPROACHING = (
 
 @explain_missing()
 class RigidCollision(NamedTuple):
-    """Two rigid bodies after their collision, and what the collision did.
+    """Velocities, impulse and energies of a collision of two rigid bodies.
 
     Attributes
     ----------
@@ -73,11 +73,11 @@ class RigidCollision(NamedTuple):
     centre_of_mass_velocity : float or array
         The same before and after [m/s].
     relative_velocity_before, relative_velocity_after : float or array
-        Velocity of body 2 minus that of body 1: negative before, positive after a
-        bounce [m/s].
+        Velocity of body 2 minus velocity of body 1: negative before the collision,
+        positive after a rebound [m/s].
     energy_before, energy_after : float or array
-        Kinetic energy of both bodies; an immovable body has 0 if at rest, else infinity
-        [J].
+        Kinetic energy of both bodies; an immovable body has the energy 0 at rest, else
+        infinity [J].
     energy_lost : float or array
         Kinetic energy lost, finite also with an immovable body [J].
 
@@ -111,7 +111,8 @@ class StackDrop(NamedTuple):
     velocities : array, shape (..., balls)
         Velocities from the bottom ball to the top one, positive upwards [m/s].
     top_height : float or array
-        Height the top ball reaches above its collision; 0 if it does not rise [m].
+        Height that the top ball reaches above the position of its collision; 0 if it
+        does not rise [m].
 
     Examples
     --------
@@ -131,8 +132,8 @@ class StackDrop(NamedTuple):
 def reduced_mass(m1: ArrayLike, m2: ArrayLike) -> Number:
     """Reduced mass of two bodies, ``mu = m1 m2/(m1 + m2)``.
 
-    The kinetic energy of their relative motion is ``mu (v1 - v2)^2/2``. Beside a body
-    of infinite mass, mu is the mass of the other one.
+    The kinetic energy of their relative motion is ``mu (v1 - v2)^2/2``. If one mass is
+    infinite, mu is the other mass.
 
     Parameters
     ----------
@@ -195,7 +196,8 @@ def collide(
     restitution : float or array
         Coefficient of restitution e, from -1 to 1 [1].
     allow_energy_release : bool
-        Accept abs(e) > 1, a collision that adds energy, as an explosion does.
+        Whether abs(e) > 1 is accepted: a collision that adds energy, such as an
+        explosion.
 
     Returns
     -------
@@ -274,7 +276,7 @@ def restitution_from_velocities(
     v1_before, v2_before : float or array
         Velocities before the collision, v1_before > v2_before [m/s].
     v1_after, v2_after : float or array
-        Velocities after it [m/s].
+        Velocities after the collision [m/s].
 
     Returns
     -------
@@ -310,8 +312,8 @@ def restitution_from_velocities(
 def restitution_from_heights(drop: ArrayLike, rebound: ArrayLike) -> Number:
     """Coefficient of restitution of a dropped ball with the ground.
 
-    ``e = sqrt(rebound/drop)``, as speeds grow with the square root of the height
-    (problems 10.5.2 and 10.5.4).
+    ``e = sqrt(rebound/drop)``, because speeds are proportional to the square root of
+    the height (problems 10.5.2 and 10.5.4).
 
     Parameters
     ----------
@@ -358,10 +360,10 @@ def stack_drop(
 
     The gaps between the falling balls are very small. The bottom ball bounces off the
     floor and meets the second ball, which is still falling. The second ball then meets
-    the third one, and so on upwards. Each pair meets once: later collisions of the same
-    two balls are left out. `solve`, however, solves contacts that touch at the same
-    time together: there, small gaps between the balls, such as ``gaps=[1.0, 1e-6]``
-    above a wall, make them collide one after another.
+    the third one, and so on upwards. Each pair collides once: later collisions of the
+    same two balls are left out. In contrast, `solve` treats contacts that close at the
+    same time as one collision. With small gaps between the balls, such as ``gaps=[1.0,
+    1e-6]`` above a wall, `solve` also computes one collision after another.
 
     Parameters
     ----------

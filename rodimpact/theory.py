@@ -12,7 +12,7 @@ contact:
 The module also has exact results for tapers, damping and lateral inertia, for which
 d'Alembert's solution does not hold.
 
-Arguments broadcast as in NumPy; results are floats where every argument is a single
+Arguments broadcast as in NumPy. Results are floats if every argument is a single
 number.
 """
 

@@ -1,8 +1,8 @@
-"""Numbers with units, as people write them: "10 mm" to 0.01 and 0.000385 s to "385 us".
+"""Numbers with units: "10 mm" is read as 0.01, and 0.000385 s is shown as "385 us".
 
 Every unit of `UNITS` is an exact multiple of its SI unit, and the product is rounded to
 binary once: "10 mm" is the same float as 0.01, and "7.85 g/cm^3" the same as 7850.0.
-`shown` shows a value that cannot be read in a few words.
+`shown` gives a short text of a value for messages.
 
 >>> parse("10 mm", "length"), format_si(0.000385, "s")
 (0.01, '385 us')
@@ -232,11 +232,10 @@ def parse(text: str | float | int, dimension: str) -> float:
     Parameters
     ----------
     text : str, float or int
-        A decimal number with a unit ("200 GPa"), or a bare number, taken to be in SI
-        units already.
+        A decimal number with a unit ("200 GPa"), or a plain number in SI units.
     dimension : str
         A key of `UNITS`, such as "length" or "pressure"; or a compound unit that is not
-        in `UNITS`, such as "N/m^p". Then no other unit is allowed.
+        in `UNITS`, such as "N/m^p", which is then the only allowed unit.
 
     Returns
     -------
@@ -247,8 +246,8 @@ def parse(text: str | float | int, dimension: str) -> float:
     Raises
     ------
     ValueError
-        If `text` is no finite number or too small for a float, or its unit is unknown
-        or of another dimension; also if `dimension` is not as said.
+        If `text` is not a finite number or is too small for a float, if its unit is
+        unknown or has another dimension, or if `dimension` is neither a key nor a unit.
 
     Examples
     --------
@@ -704,14 +703,14 @@ _SHORT.maxstring = _SHORT.maxother = _SHORT.maxlong = MOST_SHOWN
 def format_si(value: float, unit: str, digits: int = 6) -> str:
     """Write a quantity for people, with an engineering prefix on its SI unit.
 
-    Units that take no prefix (kg, kg/m^3, m^2) and magnitudes outside nano to a million
-    giga are written without one.
+    Units without prefixes (kg, kg/m^3, m^2), and magnitudes outside nano to a million
+    giga, are written without a prefix.
 
     Parameters
     ----------
     value : float
-        The value in `unit`. NaN, which stands for "no such number", becomes a dash, and
-        infinity "inf" with the unit.
+        The value in `unit`. NaN is written as a dash, and infinity as "inf" with the
+        unit.
     unit : str
         An SI unit without prefix, such as "s" or "N/m"; "" for a pure number.
     digits : int

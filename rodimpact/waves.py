@@ -6,12 +6,12 @@ G = 2 pi a/l the equation of frequencies is::
     2 A^2 (B^2 + G^2) j(A) j(B) - (B^2 - G^2)^2 J0(A) j(B) - 4 G^2 A^2 j(A) J0(B) = 0
     A^2 = G^2 (c^2/c1^2 - 1),  B^2 = G^2 (c^2/c2^2 - 1),  j(x) = J1(x)/x
 
-with the dilatational speed c1 and the shear speed c2. The equation is that of K. F.
-Graff, Wave Motion in Elastic Solids, divided by A B, so that c = c1 and c = c2 are no
-roots. If A or B is imaginary, the modified Bessel function I takes the place of J. Long
-waves have the bar speed c0 = sqrt(E/rho), with c/c0 = 1 - nu^2 G^2/4 to second order.
-Short waves have the speed of Rayleigh's surface waves.
-`mindlin_herrmann` is an approximation to the first mode.
+with the dilatational speed c1 and the shear speed c2. The equation is from K. F. Graff,
+Wave Motion in Elastic Solids, divided by A B, so that c = c1 and c = c2 are not roots.
+If A or B is imaginary, the modified Bessel function I replaces J. Long waves have the
+bar speed c0 = sqrt(E/rho), with c/c0 = 1 - nu^2 G^2/4 to second order. Short waves have
+the speed of Rayleigh's surface waves. `mindlin_herrmann` is an approximation to the
+first mode.
 """
 
 from __future__ import annotations
@@ -103,7 +103,7 @@ class Bar(FrozenDataclass):
     poisson_ratio : float
         nu, from 0 to 0.5.
     radius : float
-        a, m. For a bar that is not round, an equivalent radius of your choice.
+        a, m; an equivalent radius if the bar is not round.
 
     Raises
     ------
@@ -130,8 +130,8 @@ class Bar(FrozenDataclass):
         Parameters
         ----------
         rod : Rod or Segment
-            A uniform one, of a material with a `poisson_ratio`, and given by its
-            diameter, unless a radius is given.
+            Uniform, with a material that has a `poisson_ratio`. Without `radius` it
+            must be given by its diameter.
         radius : float, optional
             Equivalent radius of a section that is not round, m.
 
@@ -269,10 +269,10 @@ class Bar(FrozenDataclass):
         return CUT_OFF * self.wave_speed / self.radius
 
     def delays(self, frequency: ArrayLike) -> Number:
-        """Delay of waves behind long waves for each metre of bar, 1/c - 1/c0.
+        """Delay of waves relative to long waves per metre of bar, 1/c - 1/c0.
 
-        The values are those of a spline through exact values up to the cut-off: this is
-        for speed, as a record has many frequencies.
+        The values come from a spline through exact values up to the cut-off. This is
+        faster than solving the equation for each of the many frequencies of a record.
 
         Parameters
         ----------
@@ -342,8 +342,8 @@ def first_mode(
     poisson_ratio : float or array
         nu, from 0 to 0.5.
     progress : bool or function
-        Whether a bar may show the progress of long work. A function is called with the
-        number of values that are done, and the number of all.
+        Whether a progress bar may be shown during long work. A function is called with
+        the number of completed values and the number of all values.
 
     Returns
     -------
