@@ -59,13 +59,12 @@ class Material(FrozenDataclass):
     wave_speed : float or array
         Bar speed c, m/s, in place of Young's modulus, which is rho c^2.
     poisson_ratio : float or array, optional
-        nu, between -1 and 0.5, for rods with `lateral_inertia`, for exact waves in
-        round bars (`rodimpact.waves`), and for `Hertz.from_radii`; other waves do not
-        depend on it.
+        nu, between -1 and 0.5. It is needed for rods with `lateral_inertia`, for exact
+        waves in round bars (`rodimpact.waves`), and for `Hertz.from_radii`.
     viscosity : float or array
-        Kelvin-Voigt viscosity eta of sigma = E eps + eta d(eps)/dt, Pa s; `damped`
-        finds it from a loss factor. Only the method "finite-difference" takes a
-        viscosity above 0.
+        Kelvin-Voigt viscosity eta of sigma = E eps + eta d(eps)/dt, Pa s. `damped`
+        computes it from a loss factor. Only the method "finite-difference" solves rods
+        with a viscosity above 0.
 
     Raises
     ------
@@ -171,19 +170,19 @@ class Material(FrozenDataclass):
         return np.sqrt(speed_squared)
 
     def damped(self, loss_factor: ArrayLike, frequency: ArrayLike) -> Material:
-        """Return the same material with the viscosity that gives it a loss factor.
+        """Return the material with the viscosity of a given loss factor.
 
-        eta = E tan(delta)/(2 pi f): the loss factor tan(delta) of a Kelvin-Voigt
-        material is proportional to frequency, so a measured one holds at its own
-        frequency and near it.
+        eta = E tan(delta)/(2 pi f). The loss factor tan(delta) of a Kelvin-Voigt
+        material is proportional to the frequency. So a measured loss factor is valid
+        only near its frequency.
 
         Parameters
         ----------
         loss_factor : float or array
-            tan(delta), with delta the phase by which the strain lags the stress of an
-            oscillation, 1.
+            tan(delta), 1; delta is the phase by which the strain lags behind the stress
+            in an oscillation.
         frequency : float or array
-            f at which the loss factor is this one, Hz.
+            Frequency f of this loss factor, Hz.
 
         Returns
         -------
@@ -243,20 +242,20 @@ class Segment(FrozenDataclass):
     length : float or array
         m.
     area : float, array, Samples or function
-        Cross-sectional area, m^2. `Samples` make the segment tapered; so does a
-        function of the distance from its left end, m, which is sampled at 1025 places
-        from end to end.
+        Cross-sectional area, m^2. `Samples` define a tapered segment. A function of the
+        distance from the left end, m, is sampled at 1025 points from end to end.
     material : Material
     diameter : float or array
         Diameter of a solid round section, m, in place of the area.
     polar_moment : float, array or "circular", optional
         Polar second moment I_p of the cross-section about the axis, m^4, for lateral
-        inertia. ``"circular"`` is that of a solid round section, I_p = A^2/(2 pi),
-        along a taper too. A diameter means the same, and excludes another polar moment.
+        inertia. ``"circular"`` means a solid round section, I_p = A^2/(2 pi), also
+        along a taper. If a diameter is given, the section is round, and no polar moment
+        may be given.
     lateral_inertia : "rayleigh-love" or "mindlin-herrmann", optional
-        Theory of the motion sideways; None: this motion has no inertia. See
-        `rodimpact.model.lateral_inertia`. It needs a diameter or a polar moment, and a
-        material with a `poisson_ratio`.
+        Theory of the lateral motion; None for no lateral inertia. See
+        `rodimpact.model.lateral_inertia`. Lateral inertia needs a diameter or a polar
+        moment, and a material with a `poisson_ratio`.
 
     Raises
     ------
@@ -620,9 +619,9 @@ class Rod(Frozen, kind="rod"):
     length : float or array
         m.
     area : float, array, Steps, Samples or function
-        Cross-sectional area, m^2. `Steps` make a stepped rod, with a segment for each
-        value; `Samples`, or a function of the distance from the left end, m, a tapered
-        one.
+        Cross-sectional area, m^2. `Steps` define a stepped rod, with a segment for each
+        value. `Samples`, or a function of the distance from the left end, m, define a
+        tapered rod.
     material : Material
     diameter : float or array
         Diameter of a solid round section, m, in place of the area.
@@ -630,15 +629,14 @@ class Rod(Frozen, kind="rod"):
         Polar second moment of the cross-section, m^4, for lateral inertia; see
         `Segment`.
     lateral_inertia : "rayleigh-love" or "mindlin-herrmann", optional
-        Theory of the motion sideways; see `Segment`.
+        Theory of the lateral motion; see `Segment`.
     segments : sequence of Segment
         Pieces of a stepped rod, from left to right.
     velocity : float, array, Steps, Samples or function
         Initial velocity, m/s; a function of the distance from the left end, m, is
-        sampled at 1025 places from end to end.
+        sampled at 1025 points from end to end.
     strain : float, array, Steps, Samples or function
-        Initial strain, positive in tension; a function is sampled like that of the
-        velocity.
+        Initial strain, positive in tension; a function is sampled in the same way.
     shaft : Soil or Drag, optional
         Soil or drag that resists the motion along the rod, for the method
         "finite-difference".
@@ -765,9 +763,9 @@ class Rod(Frozen, kind="rod"):
         Parameters
         ----------
         n : int
-            Number of pieces of each tapered segment. They have equal lengths, and each
-            has the volume, and so the mass, of its piece of the taper. Uniform segments
-            stay as they are.
+            Number of pieces of each tapered segment. The pieces have equal lengths.
+            Each piece has the volume, and so the mass, of its part of the taper.
+            Uniform segments are not changed.
 
         Returns
         -------
@@ -940,7 +938,7 @@ class Wall(FrozenDataclass, kind="wall"):
     Parameters
     ----------
     velocity : float or array
-        Velocity for all times, m/s, positive to the right.
+        Velocity at all times, m/s, positive to the right.
 
     Raises
     ------

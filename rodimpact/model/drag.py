@@ -27,16 +27,17 @@ COEFFICIENT_PER_LENGTH = QuantityField("N s/m^2", "non-negative", along="length"
 class Drag(FrozenDataclass, kind="drag"):
     """Drag that resists the motion of a rod in proportion to its velocity.
 
-    The force on the rod is -d v per length, with the velocity v of the rod, positive to
-    the right: the fluid is at rest. Free motion dies out by exp(-d t/(rho A)), and the
-    amplitude of a wave by half of that rate.
+    The force on the rod per length is -d v, with the drag coefficient d and the
+    velocity v of the rod, positive to the right. The fluid is at rest. Free motion
+    decays as exp(-d t/(rho A)), and the amplitude of a wave decays at half of this
+    rate.
 
     Parameters
     ----------
     coefficient : float, array, Steps, Samples or function
-        Drag coefficient: of the whole length of the rod, N s/m, if it is a number,
-        which is spread evenly; or per length, N s/m^2, at the distance from the left
-        end, m.
+        Drag coefficient. A number is the coefficient of the whole rod, N s/m,
+        distributed uniformly. A profile or function is the coefficient per length, N
+        s/m^2, at the distance from the left end, m.
 
     Raises
     ------

@@ -41,8 +41,8 @@ class Fixed(Frozen, kind="fixed"):
 class Absorbing(Frozen, kind="absorbing"):
     """An absorbing end: waves leave and none returns, as in an infinite rod.
 
-    The wave that comes in from outside keeps the value that it has there at t = 0.
-    Under gravity the infinite rod outside falls, too, because nothing holds it.
+    The wave that enters the rod from outside keeps its value at t = 0. Under gravity
+    the infinite rod outside falls, too, because nothing holds it.
 
     Examples
     --------
@@ -72,8 +72,8 @@ class Pushed(_Driven, kind="pushed"):
     Parameters
     ----------
     value : float, array, Steps, Samples or function
-        Force over time, N; a positive force pushes into the row, which compresses it,
-        at both ends. `Steps` take times for `at`, `Samples` need their `step`; a
+        Force over time, N. At both ends a positive force pushes into the row and
+        compresses it. `Steps` take times for `at`, `Samples` need their `step`; a
         function of time, s, is sampled.
     duration : float, optional
         Time for which a function is sampled, s; no other value takes it. The function
@@ -105,10 +105,10 @@ class Moved(_Driven, kind="moved"):
         Velocity over time, m/s, positive to the right at both ends. `Steps` take times
         for `at`, `Samples` need their `step`; a function of time, s, is sampled.
     position : Samples or function, optional
-        Position over time, m, in place of the velocity: only its changes count, so it
-        may have any origin. Straight lines between the samples make a velocity in
-        steps, a smooth curve makes a smooth velocity. After the last sample the end
-        stays where it is.
+        Position over time, m, in place of the velocity. Only its changes matter, so the
+        origin is arbitrary. Straight lines between the samples give a stepwise
+        velocity, and a smooth curve gives a smooth velocity. After the last sample the
+        end is at rest.
     duration : float, optional
         Time for which a function is sampled, s; no other value takes it. The function
         is sampled at 4097 times from 0 to the duration, and its last value holds on.
@@ -189,9 +189,9 @@ class Incoming(_Driven, Absorbing, kind="incoming"):
     Parameters
     ----------
     value : float, array, Steps, Samples or function
-        Strain of the incoming wave alone, at the end, over time: negative for a pulse
-        that compresses, at both ends. `Steps` take times for `at`, `Samples` need their
-        `step`; a function of time, s, is sampled.
+        Strain of the incoming wave alone, at the end of the rod, over time. At both
+        ends it is negative for a compressive pulse. `Steps` take times for `at`,
+        `Samples` need their `step`; a function of time, s, is sampled.
     duration : float, optional
         Time for which a function is sampled, s; no other value takes it. The function
         is sampled at 4097 times from 0 to the duration, and its last value holds on.

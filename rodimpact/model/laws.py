@@ -139,14 +139,15 @@ class Plastic(_Linear):
 class Rigid(_Law, law="rigid"):
     """Unilateral contact without compliance: gap >= 0, force >= 0, force times gap = 0.
 
-    The waves of a rod decide its contact. Two rigid bodies have no waves: the contact
-    between them needs a coefficient of restitution.
+    For rods the contact force follows from the waves. Two rigid bodies have no waves,
+    so the contact between them needs a coefficient of restitution.
 
     Parameters
     ----------
     restitution : float or array, optional
-        Relative velocity after an impact over that before it, 0 to 1. Contacts between
-        two masses, or a mass and a wall, need it; contacts of rods refuse it.
+        Relative velocity after an impact divided by the relative velocity before it,
+        from 0 to 1. It is required for contacts between two masses, or between a mass
+        and a wall, and not allowed for contacts of rods.
 
     Raises
     ------
@@ -190,9 +191,9 @@ class Bonded(_Law, law="bonded"):
 class Joint(_Linear, law="joint"):
     """A permanent joint by a spring and a dashpot, such as glue or a bolt.
 
-    The spring and the dashpot stand side by side. The joint pulls as well as it pushes:
-    F = -(k s + c s'), with the stretch s and its rate s'. The stretch, which is
-    negative in compression, is the gap of the contact.
+    The spring and the dashpot are in parallel. The joint can push and pull: F = -(k s +
+    c s'), with the stretch s and its rate s'. The stretch is negative in compression,
+    and is the gap of the contact.
 
     Parameters
     ----------
@@ -471,8 +472,8 @@ class HuntCrossley(_Compliant, law="hunt-crossley"):
 class PowerLaw(_Compliant, law="power"):
     """Elastic contact whose force is a power of the indentation: F = k d^p.
 
-    The exponent p is near 1 for faces that fit together, 3/2 for round ones and 2 for
-    pointed ones.
+    The exponent p is near 1 for faces that fit together, 3/2 for round faces and 2 for
+    pointed faces.
 
     Parameters
     ----------
@@ -502,10 +503,10 @@ class PowerLaw(_Compliant, law="power"):
 class Yielding(Plastic, law="yielding"):
     """A spring that yields: specimens, pulse shapers and soft ends.
 
-    F = k d up to the yield force. Beyond it the slope of F over d is `hardening`.
-    Unloading and loading again follow the stiffness k, up to the peak force so far. The
-    yielding is permanent: d and the gap of the contact count from the new place of the
-    faces.
+    F = k d up to the yield force. Above the yield force the slope of F over d is
+    `hardening`. Unloading and reloading follow the stiffness k, up to the previous peak
+    force. The yielding is permanent: afterwards d and the gap of the contact are
+    measured from the deformed faces.
 
     Parameters
     ----------
@@ -578,9 +579,9 @@ class Tabulated(Plastic, law="tabulated"):
     """A specimen or contact whose force on loading is given by a table.
 
     On loading F follows straight lines from 0 through the points of the table, and
-    beyond the last point the last of these lines. Unloading follows the unloading
-    stiffness. Loading again follows it back to the peak force so far, and then the
-    table. The faces have moved for good, as those of `Yielding` do, which is a table of
+    continues the last line beyond the last point. Unloading follows the unloading
+    stiffness. Reloading follows this stiffness up to the previous peak force, and then
+    the table. The deformation is permanent, as for `Yielding`, which is a table with
     one point.
 
     Parameters
@@ -765,11 +766,12 @@ class Tabulated(Plastic, law="tabulated"):
 class SmithToe(Plastic, law="smith-toe"):
     """Soil below the toe of a pile: F = max(0, S (1 + J d')).
 
-    The static resistance S is k d, k = R_u/q, up to the ultimate resistance R_u, where
-    the soil yields. It unloads along the stiffness k, and the toe has moved for good,
-    as with `Yielding`. The damping makes the force larger while the toe goes down, and
-    smaller on its way back. E. A. L. Smith, Pile-driving analysis by the wave equation,
-    J. Soil Mech. Found. Div. ASCE 86 (1960) 35-61. `Soil` is the same along the shaft.
+    The static resistance is S = k d with k = R_u/q, up to the ultimate resistance R_u,
+    at which the soil yields. Unloading follows the stiffness k. The yielding is
+    permanent, as for `Yielding`. The damping increases the force while the toe moves
+    down, and decreases the force while it moves up. E. A. L. Smith, Pile-driving
+    analysis by the wave equation, J. Soil Mech. Found. Div. ASCE 86 (1960) 35-61.
+    `Soil` is the same along the shaft.
 
     Parameters
     ----------
@@ -838,9 +840,9 @@ class SmithToe(Plastic, law="smith-toe"):
 class Cushion(Plastic, law="cushion"):
     """A cushion with a coefficient of restitution: it returns a part of its energy.
 
-    F grows along the stiffness k on loading, and falls along k/e^2 on unloading, so
-    that a body that falls on a cushion on a wall rebounds with the fraction e of its
-    velocity. Loading again follows k/e^2 up to the peak force so far.
+    On loading F follows the stiffness k, and on unloading the stiffness k/e^2. So a
+    body that hits a cushion on a wall rebounds with the fraction e of its velocity.
+    Reloading follows k/e^2 up to the previous peak force.
 
     Parameters
     ----------
@@ -906,10 +908,10 @@ class Cushion(Plastic, law="cushion"):
 class Law(_Law, law="own"):
     """A contact law of your own: a Python function gives the force.
 
-    The method "characteristics" solves it. A function that numba has compiled
-    (``numba.njit``) runs compiled if that is faster. Processes and clusters need a
-    named function of a module: a lambda cannot be sent to them. No file can hold a
-    function.
+    The method "characteristics" solves such laws. If the function is decorated with
+    ``numba.njit``, the solver runs compiled if this is faster. Processes and clusters
+    need a named function of a module: a lambda cannot be sent to them. A function
+    cannot be saved in a file.
 
     Parameters
     ----------

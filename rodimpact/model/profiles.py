@@ -52,8 +52,8 @@ class Steps(FrozenDataclass):
     values : sequence of numbers
         One value for each piece, from left to right or from t = 0 on.
     at : sequence of numbers
-        Places of the jumps, m from the left end of the rod, or their times, s after t =
-        0. They increase, and are one fewer than the values.
+        Positions of the jumps, m from the left end of the rod, or times of the jumps,
+        s. They increase. Their number is the number of values minus one.
 
     Raises
     ------
@@ -99,9 +99,10 @@ def _is_zero(error: object) -> bool:
 class Samples(FrozenDataclass):
     """A profile of values at equal distances.
 
-    Straight lines or a smooth curve run between the values. Along a rod the values run
-    from its left end to its right end. In time they begin at t = 0, and the last one
-    holds on. A function becomes samples, with a smooth curve where that fits better.
+    Straight lines or a smooth curve connect the values. Along a rod the values are
+    given from its left end to its right end. In time the first value belongs to t = 0,
+    and the last value continues. A function is converted to samples, with a smooth
+    curve if this is more accurate.
 
     Parameters
     ----------
@@ -113,8 +114,8 @@ class Samples(FrozenDataclass):
         Whether a spline of degree 5 runs through the values, for the method
         "characteristics".
     error : float
-        Distance of the curve from the function for which the samples stand, in the unit
-        of the values. The stated errors of "characteristics" count it.
+        Largest difference between the curve and the sampled function, in the unit of
+        the values. The stated errors of "characteristics" include it.
 
     Raises
     ------
@@ -162,10 +163,10 @@ class Samples(FrozenDataclass):
 
 
 class Polynomials(FrozenDataclass):
-    """A profile of polynomials along a rod, between places where it may jump or bend.
+    """A profile of polynomials along a rod, with jumps or kinks between them.
 
-    `Solution.system_at` makes polynomials of smooth waves, exactly. In an interval of
-    width w that begins at x0, the n values belong to the places x_k = x0 + w (1 -
+    `Solution.system_at` represents smooth waves exactly by polynomials. In an interval
+    of width w that begins at x0, the n values belong to the places x_k = x0 + w (1 -
     cos(pi k/(n - 1)))/2, k = 0 to n - 1. The first and the last value are those at the
     ends of the interval.
 
@@ -178,8 +179,8 @@ class Polynomials(FrozenDataclass):
         Borders of the intervals, m from the left end of the rod, increasing; None for
         one interval.
     error : float
-        Error of the values, in their unit: the stated error of the run that they come
-        from. The stated errors of "characteristics" count it.
+        Error of the values, in their unit: the stated error of the run from which they
+        come. The stated errors of "characteristics" include it.
 
     Raises
     ------

@@ -36,26 +36,27 @@ class Soil(FrozenDataclass, kind="soil"):
 
     The force on the rod is -(R + J abs(R) v) by the law ``"smith"`` and -(R + J R_u v)
     by ``"viscous"``, with the velocity v of the rod, positive to the right. Both
-    dampings oppose the motion. R = k u while the soil is elastic, k = R_u/q, u the
-    displacement of the rod; it stays between -R_u and R_u, where the soil yields, and
-    returns along the slope k. The soil at rest does not follow the rod.
+    dampings oppose the motion. While the soil is elastic, the static resistance is R =
+    k u, with the stiffness k = R_u/q and the displacement u of the rod. The soil yields
+    at R = R_u and at R = -R_u, and unloads with the slope k. The soil around the rod is
+    at rest.
 
     Parameters
     ----------
     resistance : float, array, Steps, Samples or function
-        Ultimate resistance R_u: of the whole length of the rod, N, if it is a number,
-        which is spread evenly; or per length, N/m, at the distance from the left end,
-        m.
+        Ultimate resistance R_u. A number is the resistance of the whole rod, N,
+        distributed uniformly. A profile or function is the resistance per length, N/m,
+        at the distance from the left end, m.
     quake : float or array
         Displacement q at which the soil yields, m.
     damping : float or array, optional
         J, s/m.
     law : "smith" or "viscous", optional
-        Whether the damping is in proportion to the static resistance at the moment, or
-        to the ultimate one.
+        ``"smith"``: the damping force is proportional to the present static resistance
+        R. ``"viscous"``: it is proportional to the ultimate resistance R_u.
     mobilised : float, array, Steps, Samples or function, optional
-        Share R/R_u of the resistance that is mobilised at t = 0, from -1 to 1: positive
-        if the soil pushes the rod to the left.
+        Mobilised share R/R_u of the resistance at t = 0, from -1 to 1; positive if the
+        soil pushes the rod to the left.
 
     Raises
     ------

@@ -66,16 +66,17 @@ class System(FrozenDataclass):
     Parameters
     ----------
     bodies : sequence of Rod, RigidMass or Wall
-        At least one rod or mass; a wall may stand only at the ends of the row.
+        At least one rod or mass. Walls are only allowed at the ends of the row.
     gaps : sequence of numbers, optional
-        Initial distance between each body and its right neighbour, m, walls counted;
-        default 0. A compliant contact may begin pressed: its gap is minus the overlap.
-        Contacts that touch at the same time are solved together. A small gap, 1e-6 m,
-        makes rigid bodies collide one after another.
+        Initial distance between each body and its right neighbour, m, including walls;
+        default 0. A compliant contact may be pressed at the start: its gap is then
+        minus the overlap. Contacts that close at the same time are solved as one
+        collision. With a small gap, such as 1e-6 m, rigid bodies collide one after
+        another.
     contacts : sequence of contact laws, optional
-        Law of the contact between each body and its right neighbour, walls counted;
-        default `Rigid`. Between rigid bodies a `Rigid` without restitution is refused:
-        it leaves the impact undetermined.
+        Law of the contact between each body and its right neighbour, including walls;
+        default `Rigid`. Between rigid bodies `Rigid` needs a restitution: without it
+        the impact is undetermined.
     gravity : float or array, optional
         Acceleration of free bodies, m/s^2, positive to the right.
     ends : (End, End), optional
