@@ -32,7 +32,7 @@ class ContactHistory:
     Attributes
     ----------
     index : int
-        Between body `index` and body `index + 1`, walls counted.
+        The contact is between body `index` and body `index + 1`, including walls.
     law : contact law
     impulse : float
         Integral of the force, N s.
@@ -42,7 +42,7 @@ class ContactHistory:
         N.
     episodes : tuple of Episode
     push : Pieces
-        Force, N, over ticks of the clock.
+        Force as a function of time in ticks of the clock, N.
 
     Examples
     --------
@@ -80,8 +80,8 @@ class ContactHistory:
     def force(self, t: ArrayLike, side: Side = "right") -> Floats:
         """Contact force, N, positive in compression; `side` decides at jumps.
 
-        It has the shape of t. A grid gives the mean over each time step. ValueError for
-        times outside the solution.
+        The result has the shape of t. On a grid the force is the mean over each time
+        step. ValueError for times outside the solution.
         """
         ticks = self._fields.to_ticks_beside(t, side)
         return self.push.at(ticks, side)
@@ -89,10 +89,10 @@ class ContactHistory:
     def gap(self, t: ArrayLike) -> Floats:
         """Distance between the two bodies, m, just after times t, s, of their shape.
 
-        It is exactly 0 while they touch rigidly, never negative at a `Rigid` contact,
-        minus the indentation in a compliant contact, and the stretch of a joint. If the
-        contact has yielded, the gap is that of the deformed faces. ValueError for times
-        outside the solution.
+        The gap of a `Rigid` contact is never negative, and exactly 0 while the bodies
+        touch. The gap of a pressed compliant contact is minus the overlap. The gap of a
+        joint is its stretch. If the contact has yielded, the gap is the distance of the
+        deformed faces. ValueError for times outside the solution.
         """
         ticks = self._fields.to_ticks_beside(t, "right")
         gap = self._gap.at(ticks)
@@ -102,12 +102,11 @@ class ContactHistory:
         return gap
 
     def law_at(self, t: float) -> ContactLaw:
-        """The law with which a run that goes on from the time t, s, has to begin.
+        """Contact law with which a run must begin that continues from the time t, s.
 
-        A joint becomes a new one with its stretch at t. A `Plastic` contact becomes a
-        new one that is hardened by the largest force that it has borne up to t. Other
-        laws do not change, and are returned themselves. ValueError for a time outside
-        the solution.
+        A joint becomes a new joint with its stretch at t. A yielding contact becomes a
+        new contact, hardened by the peak force up to t. Other laws do not change, and
+        are returned unchanged. ValueError for a time outside the solution.
         """
         t = scalar("t", t, "s")
         tick = self._fields.to_ticks(t)
@@ -128,12 +127,12 @@ class ContactHistory:
         return self.law
 
     def breakpoints(self) -> Breakpoints:
-        """Force and gap at the times between which straight lines follow them.
+        """Times, forces and gaps between which force and gap are nearly straight lines.
 
         Values are those just after each time. If the force is constant between jumps,
-        the times are 0 and its jumps. Otherwise there are also times at which force or
-        gap bend: force and velocities jump at these times alone, and straight lines
-        between them follow force and gap to 5e-5 of their ranges.
+        the times are 0 and its jumps. Otherwise the times include all jumps of force
+        and velocities, and further times. Straight lines between these times differ
+        from force and gap by at most 5e-5 of their ranges.
         """
         is_constant_between_jumps = self.push.coefficient_count == 1
         if is_constant_between_jumps:
@@ -153,8 +152,8 @@ class ContactHistory:
     def work_until(self, t: ArrayLike) -> Floats:
         """Work that the two bodies have done on the contact from 0 to t, J.
 
-        It is the integral of the force times the closing velocity. A compliant contact
-        stores some of it; the rest is lost there.
+        The work is the integral of the force times the closing velocity. A compliant
+        contact stores a part of the work; the rest is lost.
         """
         ticks = self._fields.to_ticks(t)
         return self._power.integral(0, ticks) * self._tick
@@ -167,10 +166,11 @@ class ContactHistory:
     def permanent_set(self) -> float:
         """Permanent set of the contact at the end of the run, m; 0 or more.
 
-        The gap is that of the deformed faces. It exceeds the distance of the undeformed
-        faces by this set, which grows from 0. That distance grows by the displacement
-        of the right body's left end less that of the left body's right end. So the set
-        is the growth of the gap less the growth of this distance.
+        The gap is the distance of the deformed faces. It exceeds the distance of the
+        undeformed faces by the permanent set. The distance of the undeformed faces
+        grows by the displacement of the left end of the right body, minus the
+        displacement of the right end of the left body. So the set is the growth of the
+        gap minus the growth of this distance.
         """
         fields = self._fields
         times = [0.0, fields.end * fields.clock.tick]
@@ -184,7 +184,7 @@ class ContactHistory:
         return max(0.0, permanent_set)  # round-off may make it negative
 
     def to_dataframe(self) -> Any:
-        """The episodes as a pandas DataFrame, one a row (extra ``dataframe``).
+        """The episodes as a pandas DataFrame, one per row (extra ``dataframe``).
 
         The columns are ``start``, ``force_end`` and ``opening`` of `Episode`, s.
 

@@ -22,7 +22,7 @@ from .fields import Fields
 @explain_missing()
 @dataclass(frozen=True)
 class EnergyLedger:
-    """Where the energy is at some times; every entry has the shape of the times, J.
+    """Energy balance at given times; every entry has the shape of the times, J.
 
     Attributes
     ----------
@@ -40,22 +40,21 @@ class EnergyLedger:
     damped : array
         Energy lost since t = 0 in damped material.
     numerical : array
-        Energy that a grid loses since t = 0, because half cells at ends collide
-        inelastically. It goes to 0 with the step, except with Rayleigh-Love lateral
-        inertia, whose ends have mass.
+        Energy lost to the grid since t = 0, because half cells at ends collide
+        inelastically. This loss tends to 0 with the time step, except with
+        Rayleigh-Love lateral inertia, for which ends have a mass.
     radiated : array
-        Energy that has left through absorbing ends since t = 0, minus that which came
-        in.
+        Energy that has left through absorbing ends since t = 0, minus the energy that
+        entered through them.
     soil_work : array
-        Work done since t = 0 on soil along the shafts of rods: what the soil has taken
-        as it yields and damps, and what it stores.
+        Work done since t = 0 on soil along the shafts of rods: the energy lost by
+        yielding and damping, and the energy stored in the soil.
     drag_work : array
-        Lost since t = 0 to drag along the shafts of rods.
+        Energy lost since t = 0 to drag along the shafts of rods.
     wall_work, drive_work, gravity_work : array
         Work done since t = 0 by moving walls, driven ends and gravity.
     residual : array
-        Energy missing in the balance: total minus initial total minus works, plus
-        losses.
+        Error of the balance: total minus initial total, minus works, plus losses.
 
     Examples
     --------
@@ -90,7 +89,7 @@ class EnergyLedger:
 
     @property
     def total(self) -> Floats:
-        """All the energy in the bodies and their contacts, J."""
+        """Total energy of the bodies and their contacts, J."""
         return self.kinetic + self.vibration + self.contact
 
 

@@ -11,7 +11,7 @@ EQUAL_STRESS_RTOL = 1e-12
 
 @explain_missing()
 class StressPeak(NamedTuple):
-    """A stress, and the first time and the place at which a rod reaches it.
+    """A stress, and the position and the first time at which a rod reaches it.
 
     Attributes
     ----------
@@ -20,7 +20,7 @@ class StressPeak(NamedTuple):
     x : float
         m from the left end of the rod; nan if the rod never has stress of this sign.
     t : float
-        s; nan likewise.
+        s; nan if the rod never has stress of this sign.
 
     Examples
     --------

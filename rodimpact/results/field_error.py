@@ -23,10 +23,10 @@ The difference of two meshes changes its sign over time, and may be 0 at one tim
 
 @explain_missing()
 class FieldError(NamedTuple):
-    """Stated errors of field values anywhere in the row, at some times.
+    """Stated errors of field values anywhere in the row, at given times.
 
-    They are arrays of the shape of the times. The error is inf where no mesh determines
-    the value: at a steep jump velocity and stress have no single value.
+    The errors are arrays of the shape of the times. An error is inf if no mesh
+    determines the value: at a steep jump velocity and stress have no unique value.
 
     Attributes
     ----------

@@ -45,11 +45,11 @@ class CellParts(NamedTuple):
 class Gauge:
     """Record of a strain gauge.
 
-    With the method "fronts" there is an entry for each jump, and strain and velocity
-    are constant in between. Where waves change smoothly, straight lines between entries
-    have an error of 5e-5 of the range of each wave at most, and all jumps are entries.
-    A grid has an entry for each state that it keeps. `strain_at` and `signal` give the
-    strain at all times.
+    With the method "fronts" the record has an entry for each jump, and strain and
+    velocity are constant between entries. If waves change smoothly, straight lines
+    between entries have an error of at most 5e-5 of the range of each wave, and all
+    jumps are entries. On a grid the record has an entry for each stored state.
+    `strain_at` and `signal` give the strain at all times.
 
     Attributes
     ----------
@@ -57,13 +57,13 @@ class Gauge:
     x : float
         m from the left end of the body.
     times : array
-        s; the record starts at t = 0 and entry i holds from times[i] on, the last to
-        `end`.
+        s. The record starts at t = 0. Entry i is valid from times[i] on, and the last
+        entry up to `end`.
     strain, velocity : array
-        From each time on; m/s.
+        Values from each time on; the velocity in m/s.
     rightward, leftward : array
-        Strain carried by the wave running right and by the one running left, relative
-        to the velocity at t = 0; their sum is `strain`.
+        Strain of the wave that runs to the right, and of the wave that runs to the
+        left, relative to the velocity at t = 0. Their sum is `strain`.
     end : float
         s.
     record : Pieces
@@ -105,8 +105,8 @@ class Gauge:
     def strain_rate(self) -> Floats:
         """Mean strain rate from each time to the next, 1/s, one for each time.
 
-        It is (strain just before t[i + 1] - strain just after t[i])/(t[i + 1] - t[i]),
-        so that jumps at the times are left out. The last rate is that up to `end`. If
+        The rate is (strain just before t[i + 1] - strain just after t[i])/(t[i + 1] -
+        t[i]), without the jumps at the times. The last rate is the mean up to `end`. If
         the next time, or `end`, is equal to a time, the rate there is 0.
         """
         stops = np.append(self.times[1:], self.end)
@@ -132,17 +132,17 @@ class Gauge:
     def signal(self, interval: float | None = None, name: str = "") -> Signal:
         """Return the strain as a signal at equal intervals, the first sample at t = 0.
 
-        A sample is a mean over an interval and a half to either side, weighted by a
-        parabolic spline: it varies smoothly with the time of a jump, so that a fit can
-        follow it. Beyond both ends of the record the strain counts as constant.
+        A sample is a weighted mean over 1.5 intervals on each side. The weight is a
+        parabolic spline, so the sample varies smoothly with the time of a jump, as a
+        fit needs. Beyond both ends of the record the strain is taken as constant.
 
         Parameters
         ----------
         interval : float, optional
             Time between samples, s; by default a 10 000th of the record.
         name : str
-            Name of the signal, which figures, tables and files show; by default such as
-            "strain of rod 2 at 0.5 m".
+            Name of the signal in figures, tables and files; default such as "strain of
+            rod 2 at 0.5 m".
 
         Raises
         ------
@@ -234,7 +234,7 @@ class Gauge:
         return CellParts(cuts, cell)
 
     def to_csv(self, path: str | os.PathLike[str], *, force: bool = False) -> None:
-        """Write a table of strain and velocity, one row an entry.
+        """Write a table of strain and velocity, one row per entry.
 
         The columns are time, strain, rightward strain, leftward strain and velocity.
 
@@ -256,8 +256,8 @@ class Gauge:
     def strain_at(self, t: ArrayLike) -> Floats:
         """Strain at times t in s, from 0 to `end`, of their shape.
 
-        At a jump it is the value after it. ValueError for times outside the record, but
-        for round-off (`RECORD_END_RTOL`) at the end.
+        At a jump this is the value after the jump. ValueError for times outside the
+        record, except for round-off (`RECORD_END_RTOL`) at the end.
         """
         t = array("t", t, "s")
         # `demand` puts the first value outside in place of {0!r}.
@@ -277,9 +277,10 @@ def gauges_to_csv(
 ) -> None:
     """Write strains of several gauges at equal intervals as one table.
 
-    It has a column of times from 0 to the end of the shortest record, then a column of
-    strain for each gauge. With the two gauges ``incident`` and ``transmitted`` this is
-    the table of three columns that programs for split Hopkinson bars take.
+    The table has a column of times from 0 to the end of the shortest record, and a
+    column of strain for each gauge. With the two gauges ``incident`` and
+    ``transmitted`` this is the table of three columns that programs for split Hopkinson
+    bars read.
 
     Parameters
     ----------

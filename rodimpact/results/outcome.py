@@ -25,7 +25,7 @@ Number = TypeVar("Number")
 
 
 class UndefinedRestitution(UndefinedResult):
-    """The collision has no coefficient of restitution; the message says why.
+    """The collision has no coefficient of restitution; the message gives the reason.
 
     Examples
     --------
@@ -78,7 +78,7 @@ class OnlyContact(Generic[Number]):
 @explain_missing("contacts")
 @dataclass(frozen=True)
 class Outcome(OnlyContact[float]):
-    """Result of a collision, with an entry for each body or contact, walls counted.
+    """Result of a collision, with an entry for each body or contact, including walls.
 
     Attributes
     ----------
@@ -93,7 +93,8 @@ class Outcome(OnlyContact[float]):
     kinetic_before, kinetic_after : float
         Energy of the motion of the centres of mass, J.
     vibration_before, vibration_after : tuple of float
-        Energy of the motion relative to the centre of mass, and of strain, J.
+        Vibration energy: kinetic energy relative to the centre of mass, plus strain
+        energy, J.
     contacts : tuple of ContactTally
         Impulse, peak force, force duration and episodes of each contact.
     unilateral : tuple of int
@@ -101,32 +102,32 @@ class Outcome(OnlyContact[float]):
     wall_work : float
         Work done by moving walls, J.
     momentum_residual, energy_residual : float
-        Momentum and energy that are missing in the balance at the end. The momentum is
-        relative to the impulses and the momentum of all masses at the largest
-        difference of velocities; the energy relative to the works, the energy before,
-        and that of all masses at that velocity.
+        Relative errors of the balances of momentum and energy at the end. The momentum
+        is relative to the impulses, plus the momentum of all masses at the largest
+        velocity difference. The energy is relative to the works, plus the initial
+        energy, plus the energy of all masses at this velocity.
     final : bool
-        Whether it is proved that no contact can happen again.
+        Whether it is proved that no contact can press again.
     status : str
-        Why the run ended, and the remedy if it ended too early.
+        Reason why the run ended, and the remedy if it ended too early.
     contact_energy : float
         Energy stored in compliant contacts and joints at the end, J.
     contact_energy_before : float
         Energy stored in stretched joints before, J.
     dissipated, numerical, radiated : float
-        Energy lost in contacts, to a grid (see `EnergyLedger`), and through absorbing
-        ends, J.
+        Energy lost in contacts, energy lost to the grid (see `EnergyLedger`), and
+        energy that has left through absorbing ends, J.
     damped : float
         Energy lost in damped material, J.
     soil_work : float
         Work done on soil along the shafts of rods, J: most of it is lost.
     drag_work : float
-        Lost to drag along the shafts of rods, J.
+        Energy lost to drag along the shafts of rods, J.
     drive_work, gravity_work : float
         Work of driven ends and of gravity, J.
     driven : bool
-        Whether gravity, driven ends, or soil or drag along shafts change the velocities
-        besides the contacts.
+        Whether not only contacts change the velocities, but also gravity, driven ends,
+        or soil or drag along shafts.
 
     Examples
     --------
@@ -172,8 +173,9 @@ class Outcome(OnlyContact[float]):
     def restitution(self) -> float:
         """Effective coefficient of restitution e of a collision at a single contact.
 
-        e = (V2+ - V1+)/(V1- - V2-), V the velocities of the centres of mass before (-)
-        and after (+); 0 where the bodies part with no more than round-off.
+        e = (V2+ - V1+)/(V1- - V2-), with the velocities V of the centres of mass before
+        (-) and after (+) the collision. e is 0 if the speed of separation is only
+        round-off.
 
         Raises
         ------
@@ -194,7 +196,7 @@ class Outcome(OnlyContact[float]):
     def why_no_restitution(self) -> str:
         """Return why `restitution` is undefined, as a sentence; "" if it is defined.
 
-        The reasons are those at which `restitution` raises an error.
+        For these reasons `restitution` raises an error.
         """
         return no_restitution(
             self.unilateral,
@@ -206,13 +208,14 @@ class Outcome(OnlyContact[float]):
         )
 
     def as_rigid(self) -> RigidCollision:
-        """Return the collision as rigid-body mechanics sees it.
+        """Return the rigid-body collision with the same restitution.
 
-        The two sides of the only contact that can open collide with the effective
-        `restitution`, each as one body with its mass and its velocity before. The
-        velocities after and the impulse are those of the rods. The energy lost is the
-        energy that vibration has gained. (If a side is bonded to a wall, its
-        oscillation has gained a part.) An e above 1 releases energy.
+        The bodies on each side of the only contact that can open become one rigid body,
+        with their mass and their velocity before. These two bodies collide with the
+        effective `restitution`. The velocities after and the impulse are those of the
+        rods. The energy lost is the energy that the vibration has gained. (If a side is
+        bonded to a wall, its oscillation has gained a part.) If e is above 1, energy is
+        released.
 
         Returns
         -------
@@ -266,10 +269,10 @@ class Outcome(OnlyContact[float]):
     def to_dataframe(self) -> Any:
         """The outcome as a pandas DataFrame of one row (extra ``dataframe``).
 
-        The columns have the names of `SweepResult.columns`, so that ``pandas.concat``
-        joins several outcomes to one table. An undefined restitution is nan;
-        ``vibration`` is the vibration energy of all bodies after the collision, and
-        ``final`` tells whether it is proved that no contact can happen again.
+        The columns have the names of `SweepResult.columns`, so ``pandas.concat`` can
+        join several outcomes to one table. An undefined restitution is nan.
+        ``vibration`` is the vibration energy of all bodies after the collision.
+        ``final`` says whether it is proved that no contact can press again.
 
         Examples
         --------

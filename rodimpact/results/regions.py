@@ -37,7 +37,7 @@ class Regions:
     Attributes
     ----------
     body, segment : [n] int
-        Body (walls counted) and segment within it.
+        Body (including walls) and segment of this body.
     velocity, strain, stress : [n]
         m/s, 1, Pa.
     start : [n + 1] int
@@ -89,7 +89,7 @@ def regions_of(
     start, stop : float
         Interval of time, s; by default the whole solution.
     limit : float
-        Largest number of regions wanted, 1 or more; ``math.inf`` for all.
+        Largest allowed number of regions, 1 or more; ``math.inf`` for no limit.
 
     Returns
     -------

@@ -33,7 +33,7 @@ DECAY_RATE_RTOL = 1e-9  # slower decay, relative to one over the record, is roun
 @explain_missing()
 @dataclass(frozen=True)
 class RingDown:
-    """How vibration dies out after a collision.
+    """Decay of the vibration after a collision.
 
     Attributes
     ----------
@@ -42,20 +42,20 @@ class RingDown:
     vibration : [n] array
         Kinetic and strain energy relative to the rigid motion, J.
     rigid : float
-        Energy of the rigid motion, J, to which the total falls.
+        Energy of the rigid motion, J; the total energy tends to this value.
     momentum_change : float
-        Largest change of the momentum of the row, relative to the momenta of its bodies
-        together.
+        Largest change of the momentum of the row, relative to the sum of the momenta of
+        its bodies.
     decay_time : float
-        Time in which the vibration energy falls to 1/e, s, over the last third; inf if
-        it does not.
+        Time in which the vibration energy falls to 1/e, s, from the last third of the
+        times; inf if it does not fall.
     modal_decay_time : float
-        Time in which the mode that lasts longest falls to 1/e, s, for rods that are
-        each free: E/(eta omega^2) for a uniform rod; inf without damping.
+        Time in which the energy of the slowest mode falls to 1/e, s, for free rods:
+        E/(eta omega^2) for a uniform rod; inf without damping.
     body : int
-        The rod of that mode.
+        The rod of the slowest mode.
     frequency : float
-        Frequency of that mode, Hz.
+        Frequency of the slowest mode, Hz.
 
     Examples
     --------

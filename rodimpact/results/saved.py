@@ -28,11 +28,11 @@ MAX_LISTED_DIFFERENCES = 5  # differences that a message lists
 
 
 class OutcomeDiffers(UserWarning):
-    """A saved case, solved again, has another outcome than the stored one.
+    """A saved case, solved again, has another outcome than the stored outcome.
 
-    The difference exceeds the stated errors of both runs: the file was changed, or
-    another version of rodimpact solved it with an error that one of the two did not
-    state.
+    The difference exceeds the stated errors of both runs. Either the file was changed,
+    or another version of rodimpact solved the case and one of the two stated errors is
+    too small.
 
     Examples
     --------

@@ -16,18 +16,18 @@ class SoilProfile(NamedTuple):
     Attributes
     ----------
     x : array
-        Places, m from the left end of the rod.
+        Positions, m from the left end of the rod.
     resistance : array
-        Ultimate resistance R_u of the soil about each place, N. Its sum is that of the
-        rod.
+        Ultimate resistance R_u of the soil around each node, N. The sum is the
+        resistance of the rod.
     mobilised : array
-        Share R/R_u of the resistance, from -1 to 1; 0 where no soil resists. It is
-        positive where the soil pushes the rod to the left.
+        Mobilised share R/R_u of the resistance, from -1 to 1; 0 without soil. It is
+        positive if the soil pushes the rod to the left.
     displacement : array
         Displacement of the rod since t = 0, m.
     plastic_set : array
-        How far the soil has yielded since t = 0, m: the displacement without its
-        elastic part, the quake times the change of the share.
+        Plastic displacement of the soil since t = 0, m: the displacement minus its
+        elastic part, which is the quake times the change of the share.
 
     Examples
     --------

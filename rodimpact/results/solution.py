@@ -54,55 +54,56 @@ FIELDS_OF_RODS = ("strain", "stress", "axial_force")
 
 @explain_missing("outcome", "contacts", "system")
 class Solution(Shown):
-    """Everything about one collision, as functions of place and time.
+    """Solution of one collision, as functions of position and time.
 
-    Made by `rodimpact.solve`; places are m from the left end of a body, times s from 0
-    to `t_end`.
+    `rodimpact.solve` returns it. Positions are in m from the left end of a body. Times
+    are in s, from 0 to `t_end`.
 
     Attributes
     ----------
     system : System
     outcome : Outcome
     contacts : tuple of ContactHistory
-        One for each neighbouring pair, walls counted.
+        One for each neighbouring pair of bodies, including walls.
     final : bool
-        Whether it is proved that no contact can happen again.
+        Whether it is proved that no contact can press again.
     t_final : float
-        When the last contact ended, s: its gap opened, or its force ended and the
-        bodies rest against each other. 0 if nothing collides, inf if a contact presses
-        for ever. nan without proof that no contact follows, and if `until` comes before
-        the gap opens.
+        Time at which the last contact ended, s: its gap opened, or its force ended and
+        the bodies rest against each other. 0 if nothing collides, inf if a contact
+        presses forever. nan without a proof that no contact follows, or if the run ends
+        at `until` before the gap opens.
     t_proved : float
-        When the run proved that no contact can follow, s; nan without proof. With
-        `until` the proof is tried at the end only.
+        Time at which the run proved that no contact can follow, s; nan without proof.
+        With `until` the proof is tried only at the end.
     stopped_by : str
-        ``"final"``, ``"until"``, ``"max_events"`` or ``"clock"``. Without `until` a run
-        that is proved final ended so, even if the cap on events cut the round trip that
-        follows the proof.
+        ``"final"``, ``"until"``, ``"max_events"`` or ``"clock"``. Without `until` this
+        is ``"final"`` for every run that is proved final, even if the limit on events
+        ended the round trip after the proof.
     status : str
-        The same in a sentence, with the remedy.
+        A sentence with this reason and the remedy.
     t_end : float
         s.
     until : float or None
-        The end that was asked for, s.
+        The given end of the run, s.
     transit_error : float
         Largest relative change of a transit time by its rounding to the clock.
         `accuracy` includes its effect on the outcome.
     events : int
-        Fronts: arrivals at ends. Characteristics: steps of contacts and ends. A grid:
-        its time steps times contacts and ends.
+        Number of events. Fronts: arrivals at ends. Characteristics: steps of contacts
+        and ends. Grid: time steps times the number of contacts and ends.
     accuracy : dict of str to float
         Stated relative error of velocities, impulses, peak forces, durations and times.
-        Empty where the method is exact, or where cells or the step were given. On a
-        grid velocities are those after the collision, and of each body at a given end
-        (`until`). The impulse of a bond or a joint up to there is compared with the
-        largest one on the way. On a grid two of them may exceed rtol: the duration,
-        which depends on weak forces, and the peak force, which overshoots beside jumps.
-        inf means that a finer grid always finds a larger force.
+        Empty if the method is exact, or if cells or the step were given. On a grid the
+        velocities are those after the collision, or of each body at the given end
+        (`until`). The error of the impulse of a bond or a joint is relative to its
+        largest impulse during the run. On a grid two errors may exceed rtol: the error
+        of the duration, which depends on weak forces, and the error of the peak force,
+        which overshoots beside jumps. inf means that a finer grid always finds a larger
+        force.
     fields : Fields
     method : str
     options : Options
-        Options as they were given; `method` is the one that ran.
+        Given options; `method` is the method that ran.
 
     Examples
     --------
@@ -140,7 +141,7 @@ class Solution(Shown):
 
     @cached_property
     def fields(self) -> Fields:
-        """The state of every point of the row at every time.
+        """State of every point of the row at every time.
 
         `WaveFields` if the method has found waves, `GridFields` if states on a grid.
         """
@@ -151,7 +152,7 @@ class Solution(Shown):
 
     @cached_property
     def outcome(self) -> Outcome:
-        """What the collision did."""
+        """Result of the collision."""
         return outcome_of(self.run, self._totals)
 
     @property
@@ -192,7 +193,7 @@ class Solution(Shown):
         t : array_like
             s; broadcasts with x.
         side : "right" or "left"
-            Which limit in time to take at a jump: just after or just before.
+            Value at a jump: just after the jump ("right") or just before it ("left").
 
         Returns
         -------
@@ -249,8 +250,8 @@ class Solution(Shown):
 
         The waves of the methods "fronts" and "characteristics" are constants and
         polynomials of time, whose extremes are found exactly. On a grid the extremes
-        are those of the states that are kept, see `snapshots`, and of the forces at the
-        ends in all time steps.
+        are those of the stored states, see `snapshots`, and of the forces at the ends
+        in all time steps.
 
         Parameters
         ----------
@@ -294,10 +295,10 @@ class Solution(Shown):
     def field_error(self, t: ArrayLike) -> FieldError:
         """Stated errors of velocity, stress and displacement anywhere at times t in s.
 
-        A grid whose mesh was searched for compares its fields with those of coarser
-        meshes, on which the first call runs the collision again. In the first steps
-        after a jump the error is as large as the jump. The fields of other methods are
-        as accurate as their waves, see `accuracy`.
+        If a grid was refined, its fields are compared with those of coarser meshes. The
+        first call solves the collision again on these meshes. In the first steps after
+        a jump the error is as large as the jump. The fields of other methods are as
+        accurate as their waves, see `accuracy`.
 
         Returns
         -------
@@ -345,16 +346,16 @@ class Solution(Shown):
     def displacement(self, body: int, x: ArrayLike, t: ArrayLike) -> Floats:
         """Displacement in m; arguments as in `velocity`.
 
-        It counts from the unstrained body whose left end is at its place at t = 0.
+        The reference is the unstrained body whose left end is at its position at t = 0.
         """
         return self.fields.displacement(self._index(body), x, t)
 
     def position(self, body: int, x: ArrayLike, t: ArrayLike) -> Floats:
-        """Place in the laboratory in m.
+        """Position in the laboratory frame, m.
 
         The left end of the row starts at 0. The arguments are those of `velocity`. The
-        place is that of the body's left end at t = 0, plus x, plus the displacement,
-        which raises ValueError for x and t outside the solution.
+        position is the position of the left end of the body at t = 0, plus x, plus the
+        displacement. ValueError for x and t outside the solution.
         """
         left_end = self.fields.positions[self._index(body)]
         distance: float | Floats = 0.0  # x of a mass or a wall can be 0 alone
@@ -398,7 +399,7 @@ class Solution(Shown):
     def mean_velocity(self, body: int, t: ArrayLike) -> Floats:
         """Velocity of a body's centre of mass at times t in s, m/s, of their shape.
 
-        That of a rod is its momentum over its mass, that of a mass or a wall its own.
+        For a rod this is its momentum divided by its mass.
         """
         index = self._index(body)
         if not isinstance(self.system.bodies[index], Rod):
@@ -411,10 +412,10 @@ class Solution(Shown):
     def gauge(self, body: int, x: float) -> Gauge:
         """Record of a strain gauge at x, m from the left end of a body.
 
-        It has an entry at each of the times between which straight lines follow both
-        waves at x: strain, velocity and the strains of both waves just after it. The
-        strains of the waves count from the velocity at t = 0. ValueError for a body
-        that is no rod, and for a place outside of it.
+        The entries are strain, velocity and the strains of both waves just after a
+        time. Between these times both waves at x are nearly straight lines. The strains
+        of the waves are relative to the velocity at t = 0. ValueError for a body that
+        is not a rod, and for a position outside the rod.
         """
         x = scalar("x", x, "m", sign=UNCHECKED)
         # With A = v - c eps, the wave running right, and B = v + c eps, the one running
@@ -451,7 +452,7 @@ class Solution(Shown):
         Parameters
         ----------
         x : array_like
-            Places, m from the left end of each body; [x]. Beyond the right end of a
+            Positions, m from the left end of each body; [x]. Beyond the right end of a
             body, fields are nan. Walls and masses are at 0, and have no strain.
         t : array_like
             Times, s; [time].
@@ -562,8 +563,9 @@ class Solution(Shown):
     def energy(self, t: ArrayLike) -> EnergyLedger:
         """Energy ledger at times t in s; each entry has their shape.
 
-        On a grid it is that of the state nearest to each time. Losses and works count
-        from t = 0. ValueError for times outside the solution.
+        On a grid the energies are those of the stored state nearest to each time.
+        Losses and works are counted from t = 0. ValueError for times outside the
+        solution.
         """
         ticks = self.fields.nearest_energy_ticks(self.fields.to_ticks(t))
         # A ledger counts from its first tick, which must be that of t = 0.
@@ -586,8 +588,8 @@ class Solution(Shown):
         Returns
         -------
         RingDown
-            Energy of vibration over time, the time in which it falls to 1/e, and that
-            of the mode that should last longest.
+            Vibration energy over time, the time in which it falls to 1/e, and this time
+            for the slowest mode.
 
         Raises
         ------
@@ -621,13 +623,13 @@ class Solution(Shown):
     def system_at(self, t: float) -> System:
         """State at time t in s as a new system: continue it, change it, or reverse it.
 
-        Gaps, velocities and strains are those just after t, as are the stretch of
-        joints, the hardening of `Plastic` contacts and the mobilised share of soil. The
-        gap of a compliant contact that is pressed is minus its overlap. The clock
-        starts anew. Waves are handed on as they are: constant between jumps they become
-        `Steps`, else `Polynomials`, which carry the stated error of the velocities. So
-        a run that goes on from there is as exact as one that did not stop. On a grid
-        the state is constant in each cell.
+        Gaps, velocities, strains, the stretch of joints, the hardening of yielding
+        contacts and the mobilised share of soil are those just after t. The gap of a
+        pressed compliant contact is minus its overlap. The new system starts at t = 0.
+        Waves are copied exactly: waves that are constant between jumps become `Steps`,
+        other waves become `Polynomials` with the stated error of the velocities. So a
+        run that continues from this system is as exact as one longer run. On a grid the
+        state is constant in each cell.
 
         Raises
         ------
@@ -673,9 +675,9 @@ class Solution(Shown):
     def save(self, path: str | os.PathLike[str], *, force: bool = False) -> None:
         """Write the case and its outcome as a case file, which `rodimpact.load` solves.
 
-        The file holds the system, the options that were given, and in the table
-        [result] the outcome with its stated errors. ``rodimpact run`` reads it, too.
-        Fields and histories go out by `to_xarray` and `gauges_to_csv`.
+        The file contains the system, the given options, and in the table [result] the
+        outcome with its stated errors. ``rodimpact run`` also reads this file.
+        `to_xarray` and `gauges_to_csv` export fields and histories.
 
         Parameters
         ----------
