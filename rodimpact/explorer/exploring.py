@@ -41,12 +41,11 @@ def check_page_name(path: Any) -> None:
 
 @explain_missing()
 class Page:
-    """A collision to play with in a browser: one file, made by `explore`.
+    """A page with sliders for a collision: one file, made by `explore`.
 
-    A notebook shows the page. It solves the collision of its sliders, and asks no
-    network for anything. With the extra ``notebook`` (``pip install
-    'rodimpact[notebook]'``) a page that a notebook shows also gives back the system of
-    its sliders: see `system`.
+    A notebook shows the page. The page solves the collision of its sliders, and needs
+    no network. With the extra ``notebook`` (``pip install 'rodimpact[notebook]'``) a
+    page in a notebook also returns the system of its sliders: see `system`.
 
     Attributes
     ----------
@@ -81,10 +80,10 @@ class Page:
     def system(self) -> System:
         """The system that the page shows.
 
-        In a notebook with the extra ``notebook`` it is the system of the sliders. A
-        number that is no valid entry, such as a length below 0, is ignored until it is
-        corrected. Without the extra, and outside a notebook, it is the system of which
-        the page was made.
+        In a notebook with the extra ``notebook`` this is the system of the sliders. An
+        invalid entry, such as a length below 0, is ignored until it is corrected.
+        Without the extra, and outside a notebook, this is the system from which the
+        page was made.
         """
         if self._widget is None or self._widget.case == "":
             return self._system
@@ -154,11 +153,11 @@ class Page:
 
 @explain_arguments
 def explore(case: System | Case) -> Page:
-    """Make a page to play with a collision.
+    """Make a page with sliders for a collision.
 
-    It has sliders, the space-time diagram, and the rods in motion. The page solves
-    uniform and stepped rods and rigid masses, in rigid, bonded or compliant contact,
-    while its sliders move. `rodimpact.plot.animation` shows all other collisions.
+    The page shows sliders, the space-time diagram, and the rods in motion. While a
+    slider moves, the page solves uniform and stepped rods and rigid masses, in rigid,
+    bonded or compliant contact. `rodimpact.plot.animation` shows all other collisions.
 
     Parameters
     ----------

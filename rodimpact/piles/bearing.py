@@ -71,17 +71,17 @@ class BearingPoint(NamedTuple):
     set : float
         m.
     blow_count : float
-        Blows for a metre of set, 1/m; inf without set.
+        Blows per metre of set, 1/m; inf without set.
     compression, compression_x, compression_t : float
-        Largest compressive stress in the pile, Pa, positive; its place, m from the
-        head, and its time, s after the impact.
+        Largest compressive stress in the pile, Pa, positive; its distance from the
+        head, m; and its time after the impact, s.
     tension, tension_x, tension_t : float
-        Largest tensile stress, Pa, its place and its time; 0, nan and nan without
-        tension.
+        Largest tensile stress, Pa, its distance from the head, m, and its time, s; 0,
+        nan and nan without tension.
     set_error, compression_error, tension_error : float
-        Errors of set, compression and tension, each relative to its own value: bounds
-        that follow from the changes from half and three quarters of the cells to all of
-        them. 0 where nothing changes.
+        Stated relative errors of set, compression and tension. They follow from the
+        changes of the results between half, three quarters and all of the cells; 0
+        without a change.
     is_over : bool
         Whether the blow came to its end, so that the set is final.
     status : str
@@ -213,26 +213,28 @@ def bearing_graph(
 ) -> BearingGraph:
     """Blow count and largest stresses of a pile for each of several resistances.
 
-    Each resistance is shared between shaft and toe. Along the shaft it is distributed
-    as in the system; quakes and dampings stay. One blow is solved for each. The soil is
-    unloaded before it, or, where gravity acts, carries the pile at rest.
+    Each resistance is divided between shaft and toe. Along the shaft it is distributed
+    as in the system. Quakes and damping stay the same. One blow is solved for each
+    resistance. Before the blow the soil is unloaded, or it carries the pile at rest if
+    gravity acts.
 
     Parameters
     ----------
     system : System
-        From left to right: a ram that moves, masses such as a helmet, the pile, and a
-        wall below its toe, whose contact is a `SmithToe`.
+        From left to right: a moving ram, masses such as a helmet, the pile, and a wall
+        below its toe. The contact of the pile with the wall is a `SmithToe`.
     resistances : array_like
         Ultimate resistances of shaft and toe together, N.
     shaft_share : float, optional
-        Part of it along the shaft, 0 to less than 1; by default that of the system.
+        Fraction of the resistance that acts along the shaft, from 0 to less than 1;
+        default: as in the system.
     cells : int, optional
-        Cells of the segment with the longest transit time. Each blow is solved on half
-        and three quarters of them, too, for the stated errors.
+        Cells of the segment with the longest transit time. For the stated errors each
+        blow is also solved on half and on three quarters of these cells.
     until : float, optional
         Duration of a blow, s, as for `blows`.
     workers : int, optional
-        Number of threads, by default the processors at hand.
+        Number of threads; default: one for each processor.
     progress : bool or function
         As for `sweep`; it counts resistances.
 

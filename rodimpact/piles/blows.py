@@ -60,31 +60,31 @@ class PileRow(NamedTuple):
 
 @explain_missing()
 class Blow(NamedTuple):
-    """What one blow did to a pile.
+    """Result of one blow on a pile.
 
     Attributes
     ----------
     solution : Solution
         The blow from the impact on, until it is over or the ram is caught.
     settling : Solution or None
-        The pile afterwards, without the ram and the masses that were caught with it;
-        its time begins at ``solution.t_end``. None if the blow was over before.
+        The continued run of the pile, without the ram and the masses that were caught
+        with it. Its time 0 is ``solution.t_end``. None if the blow was over before.
     set : float
-        How far the soil below the toe has yielded for good, m.
+        Permanent displacement of the soil below the toe, m.
     displacement : float
-        Displacement of the toe from rest to rest, m; nan if the blow is not over. From
-        the second or third blow on it is the set, when the residual stresses no longer
-        change.
+        Displacement of the toe from rest to rest, m; nan if the blow is not over. It is
+        equal to the set if the residual stresses no longer change, as from the second
+        or third blow on.
     compression, tension : StressPeak
         Largest stresses in the pile from the impact until the blow is over, Pa, with
-        place x, m from the head of the pile, and time t, s after the impact.
+        the distance x from the head of the pile, m, and the time t after the impact, s.
     is_over : bool
-        Whether it is certain that no soil yields any more.
+        Whether it is certain that no soil can yield any more.
     status : str
         The same in a sentence, with the remedy.
     next_system : System or None
-        The pile at rest after the blow, with the hammer ready for the next one; None if
-        the blow is not over, or the pile does not stay, as the `status` says.
+        The pile at rest after the blow, with the hammer ready for the next blow. None
+        if the blow is not over, or if the pile does not stay at rest; see `status`.
 
     Examples
     --------
@@ -161,17 +161,17 @@ def blows(
     until: float | None = None,
     progress: bool | ProgressFunction = True,
 ) -> list[Blow]:
-    """Strike a pile several times; each blow begins in the state after the last one.
+    """Strike a pile several times; each blow starts from the state after the last one.
 
-    The plastic set of the soil and the residual stresses of the pile are kept. Ram,
-    helmet and cushions are as before the first blow each time.
+    The permanent set of the soil and the residual stresses of the pile are kept. The
+    ram, the helmet and the cushions start each time in their initial state.
 
     Parameters
     ----------
     system : System
-        From left to right: a ram that moves, masses such as a helmet, the pile, and a
-        wall below its toe. The law of the toe is `SmithToe` or another that yields.
-        Where gravity acts, begin with ``at_rest(system)``.
+        From left to right: a moving ram, masses such as a helmet, the pile, and a wall
+        below its toe. The law of the toe is `SmithToe` or another yielding law. If
+        gravity acts, begin with ``at_rest(system)``.
     count : int
         Number of blows.
     cells : int, optional

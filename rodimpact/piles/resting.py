@@ -33,18 +33,18 @@ def at_rest(system: System, cells: int = CELLS) -> System:
     """Move a system to its equilibrium, in which all weights are carried.
 
     The given state may be an unloaded pile under gravity, or a pile after a blow. In
-    equilibrium rods are stretched, and soil and contacts pressed, elastically. Bodies
-    that move at t = 0, such as the ram, stay as they are, and bear on nothing.
+    equilibrium rods, soil and contacts are deformed elastically. Bodies that move at t
+    = 0, such as the ram, are not changed, and their weight acts on no other body.
 
     Parameters
     ----------
     system : System
-        A single one, with ends that are free or fixed, or walls. Contacts that carry a
+        A single system whose ends are free, fixed, or walls. Contacts that carry a
         weight have a constant stiffness, or are `Rigid` or `Bonded`.
     cells : int, optional
         Cells of the segment with the longest transit time, as for `solve`. Strain and
-        mobilised resistance are constant about each: a run on as many cells stays at
-        rest to round-off.
+        mobilised resistance are constant in each cell, so a run with the same number of
+        cells stays at rest to round-off.
 
     Returns
     -------

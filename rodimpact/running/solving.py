@@ -44,41 +44,43 @@ def solve(
         A single collision, of shape ().
     until : float, optional
         End of the run, s. By default the run ends one round trip of the longest rod
-        after the proof that no contact can happen again.
+        after the proof that no contact can press again.
     method : str
-        ``"fronts"``: exact wave-front tracking. ``"characteristics"``: waves are
-        polynomial pieces in time, and there is no time step; has rigid masses,
-        compliant contacts, joints, gravity, smooth initial states and drives.
-        ``"finite-difference"``: a staggered grid; has damping, tapered rods and lateral
-        inertia as well. ``"auto"`` takes the first that can do the job.
+        ``"fronts"``: exact tracking of wave fronts. ``"characteristics"``: waves are
+        pieces of polynomials in time, without a time step. This method also solves
+        rigid masses, compliant contacts, joints, gravity, smooth initial states and
+        driven ends. ``"finite-difference"``: a staggered grid. This method also solves
+        damping, tapered rods and lateral inertia. ``"auto"`` uses the first method that
+        can solve the system.
     max_events : int
-        Cap on the work. If it is reached, `Solution.status` says so. "fronts" counts
+        Limit on the work. If it is reached, `Solution.status` says so. "fronts" counts
         arrivals at ends, "characteristics" the steps of contacts and ends.
         "finite-difference" counts time steps times contacts and ends, if `until` is not
         given.
     dt : float, optional
-        Time step of "finite-difference", s. It is shortened if `until` is no multiple
-        of it. By default it is chosen, and divided until the outcome no longer changes.
+        Time step of "finite-difference", s. It is shortened if `until` is not a
+        multiple of it. By default the step is chosen automatically, and divided until
+        the outcome no longer changes.
     rtol : float, optional
-        Relative accuracy: 1e-8 by default for "characteristics", 1e-3 for
-        "finite-difference", of velocities and impulses. "fronts" is exact to round-off
-        and takes no rtol, so "auto" chooses "characteristics" if it is given.
-        `Solution.accuracy` states the errors that were reached.
+        Accepted relative error of velocities and impulses; default 1e-8 for
+        "characteristics" and 1e-3 for "finite-difference". "fronts" is exact to
+        round-off and has no rtol, so "auto" chooses "characteristics" if rtol is given.
+        `Solution.accuracy` gives the stated errors.
     cells : int, optional
         For "finite-difference": cells of the segment with the longest transit time. The
         cells of each other segment follow from the time step. By default the number is
         doubled until the outcome no longer changes.
     snapshots : int or array_like, optional
-        For "finite-difference": the largest number of states to keep, at equal
-        intervals, or the times at which to keep them, s. Fields are interpolated
-        between states; energies are those of the nearest state. By default all steps
-        are kept, up to 64 MB. `dt`, `cells` and `snapshots` do not choose the method:
-        if "auto" takes another one, they are refused.
+        For "finite-difference": the largest number of states to store, at equal
+        intervals, or the times of these states, s. Fields are interpolated between
+        states. Energies are those of the nearest state. By default all steps are
+        stored, up to 64 MB. `dt`, `cells` and `snapshots` do not choose the method:
+        they are refused if "auto" chooses another method.
     progress : bool or function
-        Whether a bar may show how far a long run is: after two seconds of work, on a
-        terminal or in a notebook. A function is called with the number of steps (events
-        of "fronts") that are done and an estimate of all, None where that is not known;
-        what it raises ends the run.
+        Whether a progress bar may be shown, after two seconds of work, on a terminal or
+        in a notebook. A function is called with the number of completed steps (events
+        of "fronts") and an estimate of their total number, or None if it is not known.
+        An exception that the function raises ends the run.
 
     Returns
     -------
@@ -129,9 +131,9 @@ def solve(
 def collide(
     left: Body, right: Body, gap: float = 0.0, contact: ContactLaw | None = None
 ) -> Outcome:
-    """Let two bodies collide, and return the outcome, as `solve` does for a row of two.
+    """Solve the collision of two bodies and return its outcome.
 
-    It is ``solve(System([left, right], [gap], [contact])).outcome``.
+    The result is ``solve(System([left, right], [gap], [contact])).outcome``.
 
     Parameters
     ----------

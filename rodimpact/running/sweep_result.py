@@ -46,8 +46,8 @@ LINES_PER_BLOCK = 4096  # lines of a table that are made at a time
 class Axis(NamedTuple):
     """One axis of a family, with the path and the values of the number that varies.
 
-    Only this number varies along the axis. Where there is no such number, the name is
-    ``"axis 0"`` and the values count from 0.
+    Only this number varies along the axis. If there is no such number, the name is
+    ``"axis 0"``, and the values are 0, 1, 2, ...
 
     Examples
     --------
@@ -82,19 +82,19 @@ class SweepResult(Shown, OnlyContact[Any]):
     system : System
         The family.
     options : Options
-        How each member was solved, by which method.
+        Options and method with which each member was solved.
     columns : dict of str to array
-        By name: ``restitution``; ``velocity_after.I`` of body I, m/s; ``impulse.K``
-        (N s), ``peak_force.K`` (N), ``duration.K`` (force duration, s) and
-        ``episodes.K`` of contact K; ``vibration``, the vibration energy, J; ``final``;
-        ``status``. Totals count up to the end of the run: `until`, the proof that the
-        collision is over, or what stopped it before. A number that does not exist is
-        nan. If `sweep` was asked for them (`also`), there are ``dissipated``, energy
-        lost in contacts, J; ``set.K``, how far contact K has yielded for good, m;
-        ``displacement.I`` of the centre of mass of body I at the end of the run, m; and
-        ``largest_stress.I``, the largest absolute stress anywhere in rod I at any time,
-        Pa, as `Solution.extreme_stress` finds it. ``accuracy`` is the largest stated
-        error of velocities, impulses and peak forces, relative to the largest of each.
+        By name: ``restitution``; ``velocity_after.I`` of body I, m/s; ``impulse.K`` (N
+        s), ``peak_force.K`` (N), ``duration.K`` (force duration, s) and ``episodes.K``
+        of contact K; ``vibration``, the vibration energy, J; ``final``; ``status``.
+        Totals are counted to the end of the run: `until`, the proof that the collision
+        is over, or an earlier stop. A number that does not exist is nan. If `also` of
+        `sweep` names them, there are ``dissipated``, energy lost in contacts, J;
+        ``set.K``, the permanent set of contact K, m; ``displacement.I`` of the centre
+        of mass of body I at the end of the run, m; and ``largest_stress.I``, the
+        largest absolute stress anywhere in rod I at any time, Pa, as
+        `Solution.extreme_stress` finds it. ``accuracy`` is the largest stated error of
+        velocities, impulses and peak forces, relative to the largest of each.
     readings : RequestedReadings
         The `gauges`, the `times` at which they are read, and what was asked for in
         `also`.
@@ -127,7 +127,7 @@ class SweepResult(Shown, OnlyContact[Any]):
 
     @property
     def gauges(self) -> tuple[tuple[int, float], ...]:
-        """Strain gauges: body, and place in m from its left end."""
+        """Strain gauges: body, and distance from its left end, m."""
         return self.readings.gauges
 
     @property
@@ -188,12 +188,12 @@ class SweepResult(Shown, OnlyContact[Any]):
 
     @property
     def final(self) -> Any:
-        """Whether it is proved that no contact can happen again."""
+        """Whether it is proved that no contact can press again."""
         return self.columns["final"]
 
     @property
     def status(self) -> Any:
-        """Why each run stopped, in one of the words of `STATUS`."""
+        """Reason why each run stopped, one of the words of `STATUS`."""
         return np.array(STATUS)[self.columns["status"]]
 
     @property
@@ -206,7 +206,7 @@ class SweepResult(Shown, OnlyContact[Any]):
 
     @cached_property
     def contacts(self) -> tuple[ContactColumns, ...]:
-        """Totals of each contact, those with walls too, from left to right.
+        """Totals of each contact from left to right, including contacts with walls.
 
         Each is an array of the family's shape: impulse, peak force, force duration and
         episodes.
@@ -229,19 +229,20 @@ class SweepResult(Shown, OnlyContact[Any]):
 
     @property
     def episodes(self) -> Any:
-        """How often the only contact pressed; ValueError where there are several."""
+        """Number of episodes of the only contact; ValueError if there are several."""
         return self._only_contact().episodes
 
     @property
     def dissipated(self) -> Any:
-        """Energy lost in contacts, J; ValueError where it was not asked for."""
+        """Energy lost in contacts, J; ValueError if `also` did not request it."""
         return self._requested("dissipated")[0]
 
     @property
     def accuracy(self) -> Any:
-        """Stated error of velocities, impulses and peak forces, the largest of them.
+        """Largest stated error of velocities, impulses and peak forces.
 
-        It is relative to the largest of each. ValueError where it was not asked for.
+        It is relative to the largest velocity, impulse or peak force. ValueError if it
+        was not requested by `also`.
         """
         return self._requested("accuracy")[0]
 
@@ -249,7 +250,7 @@ class SweepResult(Shown, OnlyContact[Any]):
     def sets(self) -> dict[int, Any]:
         """Permanent sets of yielding contacts, m, by contact.
 
-        ValueError where they were not asked for.
+        ValueError if `also` did not request them.
         """
         return self._requested("set")
 
@@ -257,7 +258,7 @@ class SweepResult(Shown, OnlyContact[Any]):
     def displacements(self) -> dict[int, Any]:
         """Displacements of the centres of mass at the end, m, by body.
 
-        ValueError where they were not asked for.
+        ValueError if `also` did not request them.
         """
         return self._requested("displacement")
 
@@ -265,7 +266,7 @@ class SweepResult(Shown, OnlyContact[Any]):
     def largest_stresses(self) -> dict[int, Any]:
         """Largest absolute stress in each rod, Pa, by body.
 
-        ValueError where they were not asked for.
+        ValueError if `also` did not request them.
         """
         return self._requested("largest_stress")
 
@@ -284,11 +285,12 @@ class SweepResult(Shown, OnlyContact[Any]):
         return by_owner
 
     def explain(self, index: Any) -> str:
-        """Why one member ended, or why it has no restitution, as a sentence.
+        """Reason why one member ended, or why it has no restitution, as a sentence.
 
         The member is solved again. If the method refuses it, its mistakes are returned,
-        each with its path. The restitution is explained if the run is complete, and
-        else why it ended. InvalidModel if the index picks several members.
+        each with its path. If the run is complete, the sentence explains the
+        restitution; otherwise the end of the run. InvalidModel if the index picks
+        several members.
 
         Parameters
         ----------

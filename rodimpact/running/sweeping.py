@@ -55,41 +55,41 @@ def sweep(
     Parameters
     ----------
     system : System
-        Of any shape: numbers of the model that are arrays make a family, as NumPy
-        broadcasts them. That of a case is
-        ``read_case("case.toml", vary={"bodies.0.length": "0.05:1:20"}).system``.
+        A system of any shape. Numbers of the model that are arrays define a family, and
+        broadcast as in NumPy. The family of a case file is ``read_case("case.toml",
+        vary={"bodies.0.length": "0.05:1:20"}).system``.
     method : str
-        As for `solve`; one for all members.
+        As for `solve`; all members have the same method.
     executor : concurrent.futures.Executor, optional
-        Executor that runs the chunks; by default threads of this process. Processes, a
-        cluster by ``dask.distributed.Client.get_executor()`` or
-        ``mpi4py.futures.MPIPoolExecutor``. The result is the same bit for bit.
+        Executor that runs the chunks; default: threads of this process. It may run
+        processes or a cluster, by ``dask.distributed.Client.get_executor()`` or
+        ``mpi4py.futures.MPIPoolExecutor``. The result is bit for bit the same.
     until : float, optional
-        Time to which each member runs, s; by default to the proof that its collision is
-        over. Where drives or gravity act there is none, and chains that touch again and
-        again may have none for a long time.
+        End of each run, s; default: the proof that the collision is over. With driven
+        ends or gravity there is no proof. Chains with repeated contact may have no
+        proof for a long time.
     max_events, dt, rtol, cells
-        Of each member, as for `solve`.
+        Options for each member, as for `solve`.
     gauges : sequence of (int, float), optional
-        Strain gauges: body, and place in m from its left end.
+        Strain gauges: body, and distance from its left end, m.
     times : array_like, optional
-        Times at which the strain at the gauges is wanted, s, for all members; [time].
+        Times at which the strain at the gauges is returned, s, for all members; [time].
     also : sequence of str, optional
-        What else is wanted, which takes longer: ``"dissipated"``, the energy lost in
-        contacts; ``"largest_stress"`` in each rod; ``"set"``, how far each yielding
-        contact has yielded for good, such as the set of a pile; ``"displacement"``, how
-        far each body has moved at `until`; ``"accuracy"``, the stated error of each
-        member. See `SweepResult`.
+        Further results, which take longer: ``"dissipated"``, the energy lost in
+        contacts; ``"largest_stress"`` in each rod; ``"set"``, the permanent set of each
+        yielding contact, such as the set of a pile; ``"displacement"`` of each body at
+        `until`; ``"accuracy"``, the stated error of each member. See `SweepResult`.
     workers : int, optional
-        Number of threads, by default the processors at hand; beside an executor the
-        number of its workers, by default 64.
+        Number of threads; default: one for each processor. With an executor: the number
+        of its workers; default 64.
     progress : bool or function
-        Whether a bar may show how far the sweep is: after two seconds of work, on a
-        terminal or in a notebook. A function is called with the number of collisions
-        done and of all, twice a second or more often; what it raises ends the sweep.
+        Whether a progress bar may be shown, after two seconds of work, on a terminal or
+        in a notebook. A function is called with the number of completed collisions and
+        the number of all collisions, at least twice a second. An exception that the
+        function raises ends the sweep.
     checkpoint : path, optional
-        Directory for finished chunks, strains included. A sweep that was interrupted
-        continues from there.
+        Directory for finished chunks, including strains. An interrupted sweep continues
+        from these chunks.
 
     Returns
     -------
@@ -106,17 +106,16 @@ def sweep(
     Warns
     -----
     DamagedChunks
-        If the checkpoint has files that are not what was written; their members are run
-        again.
+        If files of the checkpoint are damaged; their members are solved again.
 
     Notes
     -----
-    A member that cannot be solved, or that the cap on events or the clock stops, keeps
-    its `status` and the results that are known; `SweepResult.incomplete` and
-    `SweepResult.explain` tell more.
+    If a member cannot be solved, or if the limit on events or the clock stops it, the
+    result contains its `status` and the results so far. `SweepResult.incomplete` marks
+    such members, and `SweepResult.explain` gives the reason.
 
-    Each of several workers gets about eight jobs, with a checkpoint a hundred, at most
-    two at a time. An interrupt cancels jobs that wait. Jobs that run end within
+    Each of several workers gets about eight jobs, or about a hundred with a checkpoint,
+    at most two at a time. An interrupt cancels waiting jobs. Running jobs end within
     seconds, or with their present member.
 
     Processes, dask, and MPI, started by
@@ -131,8 +130,8 @@ def sweep(
         with MPIPoolExecutor() as pool:
             result = ri.sweep(family, executor=pool)
 
-    Under SLURM, ``sbatch --array=0-99`` starts a hundred programs, each with members of
-    its own; a checkpoint each lets them go on where they were::
+    Under SLURM, ``sbatch --array=0-99`` starts a hundred programs, each with its own
+    members. With its own checkpoint each program can continue after an interruption::
 
         task = int(os.environ["SLURM_ARRAY_TASK_ID"])
         ri.sweep(family[task::100], checkpoint=f"part-{task}").save(f"part-{task}.npz")

@@ -20,17 +20,18 @@ WARMING_CELLS = 8  # cells of the grid with which its kernels are run
 
 @explain_arguments
 def warm() -> float:
-    """Compile everything that can run compiled, and keep it on disk.
+    """Compile all solvers, and keep the compiled code on disk.
 
-    Machine code that is there already is loaded, and all later runs of this process use
-    it. Without `warm` a process begins in plain Python. It goes on in machine code when
-    plain Python has taken half a second, or three seconds if there is none on disk.
-    ``dask.distributed.Client.run(ri.warm)`` does it on each worker of a cluster.
+    Compiled code that already exists is loaded, and all later runs of this process use
+    it. Without `warm` a process begins in plain Python. It changes to compiled code
+    when plain Python has taken half a second, or three seconds if no compiled code is
+    on disk. ``dask.distributed.Client.run(ri.warm)`` calls `warm` on each worker of a
+    cluster.
 
     Returns
     -------
     float
-        Time it took, s; 0 if nothing can be compiled.
+        Time for compiling and loading, s; 0 if nothing can be compiled.
 
     Warns
     -----
