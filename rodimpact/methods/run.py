@@ -290,7 +290,7 @@ class Run:
         Last tick.
     t_end, t_final, t_proved : float
         Times, s: the end of the run; the end of the last contact, see
-        `status.last_contact`; and the proof that no contact can happen again, nan
+        `status.last_contact`; and the proof that no contact can press again, nan
         without a proof.
     stopped_by : str
         ``"final"``, ``"until"``, ``"max_events"`` or ``"clock"``.
@@ -339,7 +339,7 @@ class Run:
 
     @property
     def final(self) -> bool:
-        """Whether it is proved that no contact can happen again."""
+        """Whether it is proved that no contact can press again."""
         return not math.isnan(self.t_proved)
 
     @cached_property

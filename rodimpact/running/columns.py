@@ -75,7 +75,7 @@ def _vibration(solution: Solution, _: int) -> float:
 
 
 def _final(solution: Solution, _: int) -> bool:
-    """Whether it is proved that no contact can happen again."""
+    """Whether it is proved that no contact can press again."""
     return solution.outcome.final
 
 

@@ -65,7 +65,7 @@ class SavedResult(NamedTuple):
     stopped_by, status : str
         Why the run ended, in a word and in a sentence.
     final : bool
-        Whether it is proved that no contact can happen again.
+        Whether it is proved that no contact can press again.
     numbers : dict of str to float
         Numbers of the outcome, SI: ``"velocity_after.I"`` of body I, ``"impulse.K"`` of
         contact K, and so on, and the `OUTCOME_ENERGIES`.
