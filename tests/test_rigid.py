@@ -197,7 +197,7 @@ def test_a_small_gap_makes_stacked_balls_collide_one_after_another():
     tutorial = docs / "student.md"
     assert "gaps=[1.0, 1e-6]" in tutorial.read_text()
     assert "gaps=[1.0, 1e-6]" in rigid.stack_drop.__doc__
-    assert "touch at the same time are solved together" in ri.System.__doc__
+    assert "close at the same time are solved as one" in ri.System.__doc__
 
 
 def test_shapes_of_results_are_those_of_the_broadcast_arguments():
