@@ -111,10 +111,10 @@ def has_external_drive(system: Any) -> bool:
     """
     is_held = False  # by a wall, a fixed end or a semi-infinite bar
     is_pushed = False  # an end is driven
-    for each in (*system.bodies, *system.ends):
-        if each.kind in ("wall", "fixed", "absorbing"):
+    for part in (*system.bodies, *system.ends):
+        if part.kind in ("wall", "fixed", "absorbing"):
             is_held = True
-        elif each.kind in ("pushed", "moved", "incoming"):
+        elif part.kind in ("pushed", "moved", "incoming"):
             is_pushed = True
     is_pulled = is_held and not vanishes(system.gravity)
     return is_pushed or is_pulled or system.has_shaft

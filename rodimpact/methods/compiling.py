@@ -290,8 +290,8 @@ def _names_used_once(module: ModuleType) -> frozenset[str]:
     attribute.
     """
     uses: Counter[str] = Counter()  # number of functions that use each name
-    for each in _with_imported_kernels(module):
-        for value in vars(each).values():
+    for kernel_module in _with_imported_kernels(module):
+        for value in vars(kernel_module).values():
             if isinstance(value, FunctionType):
                 # As a set, each name counts once a function.
                 uses.update(set(value.__code__.co_names))
@@ -415,8 +415,8 @@ def _with_imported_kernels(module: ModuleType) -> list[ModuleType]:
     The module itself comes first; each module occurs once.
     """
     modules = [module]
-    for each in modules:  # the list grows during the loop
-        for value in vars(each).values():
+    for kernel_module in modules:  # the list grows during the loop
+        for value in vars(kernel_module).values():
             if _is_kernel(value) and value not in modules:
                 modules.append(value)
     return modules

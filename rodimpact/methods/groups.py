@@ -68,24 +68,23 @@ def velocities_in_group(
     if len(anchors) == 0:
         return [mean for _ in group]
     if len(inside) > 0:
-        moving = inside
+        movable_bodies = inside
     else:  # no body can move: all get the velocity of the anchor
-        moving = group
-    # Velocity of the bodies that can move
+        movable_bodies = group
     if len(anchors) == 2:
         # `np.where` chooses for each member of a family. Adding 0 turns an array
         # without dimensions into a number.
-        shared = np.where(anchors[0] == anchors[1], anchors[0], mean) + 0.0
+        velocity = np.where(anchors[0] == anchors[1], anchors[0], mean) + 0.0
     else:
-        shared = anchors[0]
+        velocity = anchors[0]
     velocities = []
     for i in group:
-        if i < moving[0]:  # the left wall, or a mass bonded to it
+        if i < movable_bodies[0]:  # the left wall, or a mass bonded to it
             velocities.append(anchors[0])
-        elif i > moving[-1]:  # the right wall, or a mass bonded to it
+        elif i > movable_bodies[-1]:  # the right wall, or a mass bonded to it
             velocities.append(anchors[-1])
         else:
-            velocities.append(shared)
+            velocities.append(velocity)
     return velocities
 
 

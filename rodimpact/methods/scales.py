@@ -106,34 +106,35 @@ def scale_of(row: Any) -> Any:
     pushed end, a joint or an overlap at t = 0, over the least impedance; and g times
     the longest transit time.
     """
-    strained = [0.0]  # velocities due to strains, m/s
+    strain_velocities = [0.0]  # velocities due to strains, m/s
     for body in row.system.bodies:
         if body.kind == "rod":
             c = largest([s.wave_speed for s in body.segments])
             for strain in extremes(body.strain):
-                strained.append(c * abs(strain))
-    pushed = [0.0]  # forces, N
+                strain_velocities.append(c * abs(strain))
+    forces = [0.0]  # N
     for side, (kind, value) in enumerate(row.boundaries):
         if kind == "force":
             for force in extremes(value):
-                pushed.append(abs(force))
+                forces.append(abs(force))
         elif kind == "absorbing":
             factor = wave_of_strain(row, side)  # 2 c, on the left -2 c
             for strain in extremes(value):
-                strained.append(abs(strain * factor))
+                strain_velocities.append(abs(strain * factor))
     for link in row.links:
         if link.law == Law.JOINT:
-            pushed.append(abs(link.stiffness * link.stretch))
+            forces.append(abs(link.stiffness * link.stretch))
         elif link.law >= Law.SPRING:
             # A compliant contact may begin with an overlap, a gap below 0. For a gap
             # of 0, -gap would be -0.0.
             overlap = np.maximum(0.0 - link.gap, 0.0)
-            pushed.append(link.stiffness * overlap**link.exponent)
+            forces.append(link.stiffness * overlap**link.exponent)
     transit = largest([s.transit_time for s in row.segments])
     fall = abs(row.system.gravity) * transit  # velocity due to gravity, m/s
     velocities = velocities_of(row)
     spread = largest(velocities) - smallest(velocities)
-    return spread + largest(strained) + largest(pushed) / least_impedance(row) + fall
+    force_velocity = largest(forces) / least_impedance(row)
+    return spread + largest(strain_velocities) + force_velocity + fall
 
 
 def scale_without_rods(row: Any, time: Any) -> Any:

@@ -172,13 +172,13 @@ class Pieces:
         # Ticks of the part after each mark, [mark], rounded down: the last part of a
         # piece takes the rest.
         part_widths = np.repeat(self.widths // parts, parts)
-        inside = np.repeat(self.ticks, parts) + part_widths * index_in_piece
+        part_starts = np.repeat(self.ticks, parts) + part_widths * index_in_piece
         later_starts = self.ticks[1:]
         rises = self.values[1:] - self.at(later_starts, side="left")
         jumps = later_starts[np.abs(rises) > tolerance]
         # One tick earlier; more beyond 2^51, where floats cannot resolve a tick
         before_jumps = jumps - 1 - (jumps >> 51)
-        return each_once(inside, before_jumps, [self.end])
+        return each_once(part_starts, before_jumps, [self.end])
 
     def piece(self, ticks: ArrayLike, side: Side = "right") -> Ints:
         """Index of the piece in which each of `ticks` lies, an array of their shape.

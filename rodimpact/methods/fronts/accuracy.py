@@ -43,14 +43,15 @@ def effect_of_rounding(finished: FrontRun) -> Mapping[str, float]:
         max_events=RERUN_EVENT_FACTOR * (finished.run.events + 1),
         perturb_rounding=True,
     )
-    other = FrontRun(driver.solve_one(finished.layout, request))
-    if other.stopped_by != finished.stopped_by:
+    second_run = FrontRun(driver.solve_one(finished.layout, request))
+    if second_run.stopped_by != finished.stopped_by:
         return dict.fromkeys(runs.MEASURES, math.inf)
     errors: dict[str, float] = {}
-    other_measures = measures_of(other)
+    second_measures = measures_of(second_run)
     for name, values in measures_of(finished).items():
+        changes = np.abs(values - second_measures[name])
         # A row without contacts has no values; then `initial` is the maximum.
-        largest_change = float(np.abs(values - other_measures[name]).max(initial=0.0))
+        largest_change = float(changes.max(initial=0.0))
         if name == runs.VELOCITY:
             scale = finished.run.velocity_scale
         else:

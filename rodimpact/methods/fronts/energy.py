@@ -20,8 +20,8 @@ def update_motion(state: State) -> None:
     """
     run = state.runs[0]
     nodes = state.nodes
-    last = nodes[len(nodes) - 1]
-    is_anchored = nodes[0].status == Status.BOND or last.status == Status.BOND
+    last_node = nodes[len(nodes) - 1]
+    is_anchored = nodes[0].status == Status.BOND or last_node.status == Status.BOND
     # At t = 0, and if an end of the row is bonded, the group velocities follow from the
     # momenta of the segments; otherwise from the impulses.
     if is_anchored or run.events == 0:
@@ -149,11 +149,12 @@ def largest_difference(
     """
     largest = abs(0 * log[row_a].value)  # 0 of the same kind of number
     while row_a != NONE:
-        wave_a = log[row_a]
-        a0 = wave_a.tick  # the wave was sent from a0 to a1, when the next front was
+        front_a = log[row_a]
+        # The wave behind this front was sent from a0 to a1, when the next front was.
+        a0 = front_a.tick
         a1 = end_tick
-        if wave_a.next_row != NONE:
-            a1 = min(log[wave_a.next_row].tick, end_tick)
+        if front_a.next_row != NONE:
+            a1 = min(log[front_a.next_row].tick, end_tick)
         # Skip the waves b that ended a transit or more before a0: they meet neither
         # this wave nor any later one, so that `row_b` never goes back.
         next_b = log[row_b].next_row
@@ -164,11 +165,12 @@ def largest_difference(
         r = row_b
         lasts_a = a1 - a0 > window  # otherwise this wave is round-off
         while lasts_a and r != NONE and log[r].tick < a1 + transit:
-            wave_b = log[r]
-            b0 = wave_b.tick  # this wave was sent from b0 to b1
+            front_b = log[r]
+            # The wave behind this front was sent from b0 to b1.
+            b0 = front_b.tick
             b1 = end_tick
-            if wave_b.next_row != NONE:
-                b1 = min(log[wave_b.next_row].tick, end_tick)
+            if front_b.next_row != NONE:
+                b1 = min(log[front_b.next_row].tick, end_tick)
             lasts_b = b1 - b0 > window
             # The part of a sent from first_a to last_a meets the part of b sent from
             # first_b to last_b.
@@ -185,7 +187,7 @@ def largest_difference(
             # The first one is before the end: (first_a + first_b + T)/2 < end_tick.
             before_end = first_a - end_tick < end_tick - transit - first_b
             if meet and after_start and before_end and lasts_b:
-                largest = max(largest, abs(wave_b.value - wave_a.value))
-            r = wave_b.next_row
-        row_a = wave_a.next_row
+                largest = max(largest, abs(front_b.value - front_a.value))
+            r = front_b.next_row
+        row_a = front_a.next_row
     return largest

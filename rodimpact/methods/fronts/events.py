@@ -61,14 +61,13 @@ def empty_lines(lines: Sequence[Line], zero: Amplitude) -> None:
     `incoming_wave` becomes `zero` on the lines inside the row. On the first two and the
     last two lines, which lie outside, it is kept: it is the wave of a wall.
     """
-    last = len(lines) - 1
     for l in range(len(lines)):
         line = lines[l]
         line.first_row = NONE
         line.next_row = NONE
         line.last_row = NONE
         line.arrival_tick = IDLE
-        if 1 < l < last - 1:  # inside the row
+        if 2 <= l < len(lines) - 2:  # inside the row
             line.incoming_wave = zero
 
 
@@ -111,8 +110,8 @@ def find_bonded_groups(segments: Sequence[Segment], nodes: Sequence[Node]) -> No
         if s < 1 or s > n:  # outside the row
             segments[s].group_first = 1
             segments[s].group_last = 0
-    # Node k joins the segments k and k + 1. First ends are handed on to the right, last
-    # ends to the left.
+    # Node k joins the segments k and k + 1. Segments of a group get `group_first` from
+    # their left neighbours, and `group_last` from their right neighbours.
     for k in range(1, n):
         if nodes[k].status == Status.BOND:
             segments[k + 1].group_first = segments[k].group_first

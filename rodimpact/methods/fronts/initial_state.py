@@ -250,11 +250,13 @@ def set_drive_times(
     transit time instead of its own: this is a duration already, so that such a jump
     does not affect the clock. `drive_jump_count` of the run is set, too.
     """
-    last = len(segments) - 1  # segments 0 and `last` lie outside the row
-    run.drive_jump_count = drive_jumps(segments[0]) + drive_jumps(segments[last])
+    last_segment = len(segments) - 1  # it lies outside the row, as segment 0 does
+    jumps_left = drive_jumps(segments[0])
+    jumps_right = drive_jumps(segments[last_segment])
+    run.drive_jump_count = jumps_left + jumps_right
     i = len(durations) - run.drive_jump_count
     for side in range(2):
-        outside = segments[side * last]
+        outside = segments[side * last_segment]
         for j in range(drive_jumps(outside)):
             # The times of the jumps follow the values of the drive, of which
             # `velocity_count` is the number.
@@ -428,18 +430,18 @@ def append_initial_fronts(state: State, s: int, wave_speed: float) -> None:
     pieces: Sequence[InitialPiece] = state.initial_pieces
     n = len(state.segments) - 2
     transit = state.segments[s].transit
-    first = state.segments[s].first_piece
-    stop = state.segments[s + 1].first_piece
+    first_piece = state.segments[s].first_piece
+    last_piece = state.segments[s + 1].first_piece - 1
     for leftward in range(2):  # 0: the wave a to the right, 1: the wave b to the left
-        start = run.log_rows  # row of the first front of this wave
+        first_row = run.log_rows  # row of the first front of this wave
         sign = 2 * leftward - 1  # sign of c eps: -1 in a, 1 in b
-        for k in range(stop - first):  # in order of time
+        for k in range(last_piece - first_piece + 1):  # in order of time
             # The piece nearest to the end where the wave arrives was sent first: for b
             # the leftmost one, for a the rightmost one.
             if leftward:
-                i = first + k
+                i = first_piece + k
             else:
-                i = stop - 1 - k
+                i = last_piece - k
             piece = pieces[i]
             # Duration up to the jump at which piece i begins, see `split_at_jumps`
             jump_index = n + i - s
@@ -447,9 +449,9 @@ def append_initial_fronts(state: State, s: int, wave_speed: float) -> None:
             # past the end of the segment.
             x0 = 0
             x1 = transit
-            if i > first:
+            if i > first_piece:
                 x0 = min(durations[jump_index].ticks, transit)
-            if i < stop - 1:  # it ends where the next piece begins
+            if i < last_piece:  # it ends where the next piece begins
                 x1 = min(durations[jump_index + 1].ticks, transit)
             velocity = piece.velocity - run.frame_velocity
             wave = velocity + sign * wave_speed * piece.strain
@@ -460,7 +462,7 @@ def append_initial_fronts(state: State, s: int, wave_speed: float) -> None:
                 tick = -x1
             line = 2 * s + leftward
             if x1 > x0:  # a piece that lasts no tick is left out
-                append_front(run, state.log, start, tick, line, wave)
+                append_front(run, state.log, first_row, tick, line, wave)
 
 
 def append_driven_fronts(
@@ -492,7 +494,7 @@ def append_driven_fronts(
         if log[r].line == inward_line:
             inward_wave = log[r].value
     value_count = outside.velocity_count  # values of any kind
-    start = run.log_rows  # row of the first front of this drive
+    first_row = run.log_rows  # row of the first front of this drive
     start_tick = 0  # tick at which value j begins
     j = 0  # number of the value
     is_last = False  # whether value j holds to the end of the run
@@ -515,21 +517,21 @@ def append_driven_fronts(
             jump_tick = state.durations[first_jump + j].ticks
             stop_tick = max(start_tick, jump_tick)
         if stop_tick > start_tick:
-            append_front(run, log, start, start_tick, outside_line, wave)
+            append_front(run, log, first_row, start_tick, outside_line, wave)
         start_tick = stop_tick
         j += 1
 
 
 def append_front(
-    run: Run, log: Log, start: int, tick: int, line: int, wave: Amplitude
+    run: Run, log: Log, first_row: int, tick: int, line: int, wave: Amplitude
 ) -> None:
-    """Append a front to the log, unless its wave equals that of the front before it.
+    """Append a front to the log, unless its wave equals the wave of the previous front.
 
-    Waves within the velocity tolerance count as equal. `start` is the row of the first
-    front of the line, which is always appended. `tick` and `wave` are those of the
-    front; `next_row` is not set yet. `log_rows` of the run counts the new row.
+    Waves within the velocity tolerance count as equal. `first_row` is the row of the
+    first front of the line, which is always appended. The front gets `tick`, `line` and
+    `wave`; its `next_row` is not set yet. `log_rows` of the run counts the new row.
     """
-    is_first = run.log_rows == start
+    is_first = run.log_rows == first_row
     if is_first or abs(wave - log[run.log_rows - 1].value) > run.velocity_tolerance:
         front = log[run.log_rows]
         front.tick = tick

@@ -131,14 +131,14 @@ def status_of(
     errors by measure, as in `make_run`.
     """
     clock = finished.clock
-    why = end_of_run(
+    run_end = end_of_run(
         finished.run, finished.contacts, clock.system, finished.is_proved, t_final
     )
     # Entries 0 and -1 belong to the outside, and have no wave speed.
     slowest = min(clock.wave_speed[1:-1])
     # abs(b - a)/(2 c) is at most the largest wave over c.
     max_strain = finished.run.max_wave / slowest
-    status = with_advice(why)
+    status = with_advice(run_end)
     status += rounding(clock.transit_error, clock.worst_path)
     status += strain_warning(max_strain)
     status += accuracy_sentence(rounding_errors)
