@@ -19,7 +19,7 @@ from .style import DASHES, colours, styled
 POINTS: dict[str, Any] = {"marker": "o", "markersize": 3.5, "linewidth": 1.5}
 """Marks of the points of a graph on its line."""
 HEADROOM = 1.08
-"""Upper limit of an axis, in largest values."""
+"""Upper limit of an axis over the largest value."""
 
 
 @styled

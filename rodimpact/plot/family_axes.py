@@ -23,9 +23,9 @@ MAX_RATIO_WITH_2_AND_5 = 2e3  # last over first value up to which 2 and 5 have t
 class FamilyAxis(NamedTuple):
     """An axis of a picture of a family: one of its dimensions, sorted by the values."""
 
-    order: NDArray[np.intp]  # indices of the members that sort the values
-    values: Floats  # SI, never decreasing
-    scale: Scale
+    order: NDArray[np.intp]  # values[order] of the family never decrease
+    values: Floats  # in this order, SI
+    scale: Scale  # from SI to the numbers on the axis
     label: str  # name and unit, and the names of other numbers that vary along it
     is_ordered: bool  # whether these other numbers rise or fall with the values
 

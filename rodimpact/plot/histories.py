@@ -43,10 +43,10 @@ from .sampling import (
 from .scales import Scale, engineering, largest_of, quantity_text, time_scale
 from .style import DASHES, SMALL, colours, styled
 
-MAX_MARKED_EPISODES = 3  # episodes of a contact up to which their ends are named
+MAX_MARKED_EPISODES = 3  # episodes of a contact up to which their ends are marked
 MAX_NAMED_CONTACTS = 12  # most contacts that are drawn together, or named in rows
 ROW_FILL = 0.85  # height of the largest force, in distances between rows
-HEADROOM = 1.3  # upper limit of an axis, in largest values: words stand above the curve
+HEADROOM = 1.3  # upper limit of an axis over the largest value: room for words
 CAPTION_HEIGHT = 11  # points from one caption to the next
 CAPTION_GAP = 4.0  # points between a caption and its line
 

@@ -27,14 +27,14 @@ from .scales import (
 from .style import NORMAL, SMALL, styled, wanted_width
 
 PAGE = (11.7, 8.3)  # inches
-COLUMN_WIDTH = 4.3  # inches, of panels one below the other
+COLUMN_WIDTH = 4.3  # width of a page that is one column, inches
 MIN_PAGE_WIDTH = 5.5  # inches; narrower pages are columns
-LAST_ROW_HEIGHT = 2.1  # inches, in a column
+LAST_ROW_HEIGHT = 2.1  # height of the last row of a column, inches
 DIAGRAM_HEIGHT = 1.5  # height of the rows above the last, in heights of the last
-CONTACT_HEIGHT = 1.8  # height of force and gap in a column, in the same unit
-MAX_GAPS = 3  # contacts with force and gap; of more only the forces are drawn
-MAX_NAMED_BODIES = 6  # bodies whose velocities fit into the headline
-HEADLINE_WIDTH = 1.3  # width of its large letters, in widths of normal letters
+CONTACT_HEIGHT = 1.8  # height of force and gap in a column, in heights of the last row
+MAX_GAPS = 3  # contacts up to which gaps are drawn, too, and not only forces
+MAX_NAMED_BODIES = 6  # bodies up to which velocities fit into the headline
+HEADLINE_WIDTH = 1.3  # width of the headline's letters, in widths of normal letters
 KINDS = {
     Rod: ("rod", "rods"),
     RigidMass: ("rigid mass", "rigid masses"),

@@ -25,12 +25,12 @@ from .scales import NEGLIGIBLE_RTOL, number_text
 from .style import SMALL, colours, ink_on
 
 FRONT_SPACING = 12.0  # least mean distance between the lines of fronts, points
-MIN_DARKNESS = 0.1  # darkness of a front's line, the square root of its jump
-WORD_TO_NUMBER = 2.4  # least distance of a front with a word from a number, in heights
+MIN_DARKNESS = 0.1  # least darkness of a line that is drawn, see `Polygons._fronts`
+WORD_TO_NUMBER = 2.4  # least distance of a named front from a number, letter heights
 WORD_TO_END = 3.0  # least distance of a word from the ends of its front, points
 ON_FRONT = 0.5  # how far a word may reach over a side of its region, points
-FEW_FRONTS = 16  # are all drawn and named, if they have room for a word
-READABLE_REGIONS = 20_000
+FEW_FRONTS = 16  # fronts up to which all are drawn, and named if words have room
+READABLE_REGIONS = 20_000  # largest number of regions that a picture shows by default
 
 
 class Fronts(NamedTuple):
