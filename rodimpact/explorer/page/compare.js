@@ -34,7 +34,7 @@ function shareScale() {
   }
 }
 
-/** Keep the collision that is shown beside those to come, or put it away. */
+/** Keep the present collision beside later ones, or put it away. */
 function keepScene(isKept) {
   page.keptScene = isKept ? page.scene : null;
   byId("other").hidden = !isKept;

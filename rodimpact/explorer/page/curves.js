@@ -4,7 +4,7 @@
 
 const CURVE_POINTS = 20; // points of a curve solved by characteristics
 const FRONTS_CURVE_POINTS = 80;
-const AWAKE_INTERVAL = 30; // ms of work between two looks at what the user does
+const AWAKE_INTERVAL = 30; // ms of work after which the page reacts to the user
 const ROUND_ENDS = { low: -2, high: 4 }; // range of log10(kappa)
 let sceneCount = 0; // the curves of an earlier scene are not solved to their end
 const solvedCurves = {}; // the last curve that was solved, by its key in the scene
@@ -23,7 +23,7 @@ function restitutionWith(tables, ...numbers) {
   );
 }
 
-/** A function to call often: it lets the page wake up when it has worked for a while. */
+/** A function to be called often: after a while of work it lets the page react. */
 function restingPoint() {
   let lastRest = performance.now();
   return async () => {

@@ -4,7 +4,7 @@
 
 const MIN_CUT_RTOL = 1e-9; // a cut shorter than this part of the row is a point
 const WALL_DEPTH = 0.06; // part of the width of the view
-const THINNEST = 0.3; // width of a rod at least, in widths of the thickest one
+const THINNEST = 0.3; // least width of a rod, in widths of the thickest rod
 
 /** Value of a curve at time t. */
 const valueAt = (curve, t) => solver.value_at(curve, t);
@@ -100,7 +100,7 @@ function segmentAt(scene, body, x) {
   return segments.at(-1);
 }
 
-/** Radius of a rod at x as a fraction of the largest one, so that it can be seen. */
+/** Radius of a rod at x over the largest radius; not too small to be seen. */
 function radiusAt(scene, body, x) {
   const { area } = segmentAt(scene, body, x);
   return Math.max(THINNEST, Math.sqrt(area / scene.largestArea));

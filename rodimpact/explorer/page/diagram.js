@@ -84,7 +84,7 @@ function drawDiagram(pen, scene, look, t, mark, theme) {
   return frame;
 }
 
-/** Notes on the axis of places: what the picture has not true to scale. */
+/** Notes on the axis of x: how the picture differs from true scale. */
 function notesOfDiagram({ row, contacts }, isDisplaced) {
   const notes = ["before it moves"];
   if (isDisplaced) {

@@ -5,7 +5,7 @@
 const END_REACH = 10; // px, to take hold of an end
 const POINT_REACH = 15; // px, to take hold of a gauge or of the tip of an arrow
 
-/** Write a number into its box, as if it were typed. */
+/** Write a number into its box, as if the user had typed it. */
 function enterNumber(path, number) {
   const box = byId(path);
   if (!box) {
@@ -91,7 +91,7 @@ const CURSORS = {
 
 // Dragging --------------------------------------------------------------------------------
 
-/** Change what is held as the pointer moves. */
+/** Change the number that is held as the pointer moves. */
 function drag(held, offsetX) {
   const { ends, frame } = page.strip;
   const place = frame.placeAt(offsetX);

@@ -4,7 +4,7 @@
 
 const byId = (id) => document.getElementById(id);
 
-/** Set the text of an element; returns whether it was another. */
+/** Set the text of an element; return whether it has changed. */
 function setText(element, text) {
   const differs = element.textContent !== text;
   if (differs) {

@@ -1,7 +1,7 @@
 "use strict";
 // Events of a collision, one sentence for each. Begin with `eventsOf`.
 
-const SAME_TIME_RTOL = 1e-6; // part of the film; events that are nearer are one
+const SAME_TIME_RTOL = 1e-6; // part of the film; events with a smaller distance are one
 const MAX_EVENTS = 24; // events up to which those at free ends are listed
 const MAX_RESTING_NAMES = 2; // more bodies at rest are not named one by one
 

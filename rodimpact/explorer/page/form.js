@@ -76,7 +76,7 @@ class Form {
 
   // Blocks --------------------------------------------------------------------------------
 
-  /** Block of body i; what is changed rarely is folded away. */
+  /** Block of body i; rarely changed numbers are folded away. */
   makeBody(body, i) {
     const path = ["case", "bodies", i];
     const name = solver.name_of(String(body.kind), this.names.numbers[i]);
@@ -399,7 +399,7 @@ const makeBox = ({ power, unit }, number, name) =>
     "aria-describedby": `problem:${name}`,
   });
 
-/** A slider whose range holds the number with which it begins. */
+/** A slider whose range includes its first number. */
 function makeSlider(field, number, name) {
   const { isLog, unit } = field;
   const value = Number(number) || 0;
