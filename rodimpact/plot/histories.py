@@ -119,8 +119,8 @@ def draft_contact(
 ) -> Draft:
     """Draft of `contact` for the contacts of these indices: all curves, without marks.
 
-    Several contacts have a legend. Its function labels the axes again when the sizes of
-    the Axes are final, and marks force ends and openings of a single contact.
+    Several contacts have a legend. `write_words` of the draft labels the axes again for
+    the final sizes, and marks force ends and openings of a single contact.
     """
     force_ax, gap_ax = two_axes_or_new(ax, "force and gap", height=4.2, ratios=(1, 1))
 
