@@ -179,6 +179,7 @@ def momentum_trap() -> Rows:
     """
     striker = ri.Rod(STRIKER_LENGTH, area=AREA, material=STEEL, velocity=SPEED)
     system = ri.System([striker, BAR])
+    # The pulse, 0.4/c long, reaches the end of the bar at 1/c, and again at 3/c.
     design = ri.design.momentum_trap(system, after=1.4 / C, until=3.4 / C)
     end = 10 / C
     solution = ri.solve(design.system, until=end)

@@ -133,7 +133,7 @@ def second_contacts() -> Rows:
     striker = rod(1.0, velocity=1.0)
     result = complete_sweep(ri.System([striker, struck]))
     reflection = (Z - z) / (Z + z)
-    limit = 1 + 2 * reflection / L
+    limit = 1 + 2 * reflection / L  # T = 1
     expected = np.where(z < limit, 2, 1)
     name = f"rods with a nose, impedances 1 : z : {Z:g}, {expected.size} pairs"
     case = Case(name, "z < 1 + 2 r T/L")
@@ -229,7 +229,7 @@ def cradles() -> Rows:
     """Velocities after of cradles of five rods, the first unlike the others."""
     length_ratio = np.linspace(0.26, 3.0, 138)
     expected = [np.zeros(length_ratio.shape)]
-    for k in (3, 2, 1, 0):
+    for k in (3, 2, 1, 0):  # of rods 2 to 5, counted from the last
         expected.append(np.clip(1 / length_ratio - k, 0, 1))
     velocities = np.array(cradle(length=length_ratio).velocities_after)
     case = Case(

@@ -93,7 +93,7 @@ def two_frequencies(v: np.ndarray, dt: float) -> list[float]:
 
 def standing_wave(tenths: int, cells_per_radius: float) -> PhaseVelocities:
     """Phase velocities of waves of 10/tenths radii in a bar of length 1."""
-    half_waves = 4 * tenths
+    half_waves = 4 * tenths  # the bar is 20 radii long
     k = half_waves * math.pi
     material = ri.Material("unit", youngs_modulus=1.0, density=1.0, poisson_ratio=NU)
     x = np.linspace(0.0, 1.0, 8001)

@@ -60,13 +60,13 @@ def eleven_questions() -> Rows:
     after = rigid.collide(m1, v1, m2, v2, e)
     momentum_a = m1 * after.velocity_1
     momentum_b = m2 * after.velocity_2
-    common = 3.0 * after.centre_of_mass_velocity
+    total_momentum = (m1 + m2) * after.centre_of_mass_velocity
     w2 = momentum_b / m2
     measured_e = rigid.restitution_from_velocities(v1, v2, w1, w2)
     answers = {  # quantity: expected, computed
         "a: momentum of A before, kg m/s": (10.0, momentum_a + after.impulse),
         "b: momentum of B before, kg m/s": (10.0, momentum_b - after.impulse),
-        "c: momentum of both before, kg m/s": (20.0, common),
+        "c: momentum of both before, kg m/s": (20.0, total_momentum),
         "d: momentum of A after, kg m/s": (6.0, momentum_a),
         "e: momentum of both after, kg m/s": (20.0, momentum_a + momentum_b),
         "f: momentum of B after, kg m/s": (14.0, momentum_b),

@@ -57,7 +57,7 @@ NEWTON = {"wool": Fraction(5, 9), "glass": Fraction(15, 16)}  # balls: e
 
 
 def run() -> Rows:
-    """Rods against rigid bodies, and what decides e."""
+    """Compare random rods with rigid bodies; then speeds, lengths and ends decide e."""
     rng = default_rng(1905)
     uniform_pairs = []
     for _ in range(DRAWS):

@@ -97,7 +97,8 @@ def chain() -> Rows:
     waves = solution.energy(solution.t_end)
     wave_error = waves.total / energy - 1
 
-    # momentum that all bodies to the right of each contact have gained together
+    # Momentum that all bodies to the right of each contact have gained together: the
+    # sum from each body on, without the first body, which is on no right side.
     from_right = np.cumsum(gained[::-1])
     gained_to_the_right = from_right[::-1][1:]
     impulses = np.array([contact.impulse for contact in solution.contacts])

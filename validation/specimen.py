@@ -110,8 +110,8 @@ def measured(
     return ri.Measured(
         signal.window(*WINDOW),
         gauge,
-        model.distance,
-        radius,
+        distance=model.distance,
+        radius=radius,
         shift=model.shift,
         gain=-1 / STRAIN_PER_VOLT,
         level=level,
