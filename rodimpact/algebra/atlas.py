@@ -180,7 +180,7 @@ class Atlas:
         Region of each cell.
     borders : [point, 2] array
         Points where the formula changes, on the edges of a lattice; exact to round-off.
-        The collision is solved in fractions where floats cannot tell the sign of an
+        The collision is solved in fractions where floats do not decide the sign of an
         inequality.
     between : [point, 2] array of int
         Regions on both sides of each border point, -1 for an unresolved side.

@@ -3,7 +3,7 @@
 Between contacts the mechanics is linear: in which order fronts reach free ends and
 joints changes no result. Only the contacts decide. So a collision goes the same way if
 
-- each contact that presses goes on to press, and each that is open stays open, until
+- each contact that presses keeps pressing, and each that is open stays open, until
   the next change of its status (`contact_phases`),
 - its changes come in the same order, and
 - the contacts do not press again for the same reason (`separation`).
@@ -21,8 +21,8 @@ from .traced_fraction import HALF, ZERO, TracedFraction
 EVENTS_PAST_PROOF = 8
 """Events of a run that goes on past its proof, over the cap on those up to the proof.
 
-It goes on for up to two transits of the longest body. A row of similar rods has then at
-most 6 times as many events as at the proof.
+The run continues for up to two transits of the longest body. A row of similar rods then
+has at most 6 times as many events as at the proof.
 """
 
 
@@ -36,7 +36,7 @@ def cell_conditions(run: ExactRun, *, in_order: bool) -> list[TracedFraction]:
     Parameters
     ----------
     run : ExactRun
-        A run that is final. It goes on here, beyond its proof.
+        A run that is final. It is continued here, beyond its proof.
     in_order : bool
         Whether fronts must reach each contact in the order of the run. The conditions
         are then rational functions. Otherwise some contain unit steps, which floats can
@@ -45,7 +45,7 @@ def cell_conditions(run: ExactRun, *, in_order: bool) -> list[TracedFraction]:
     Raises
     ------
     FormulaTooLong
-        If the run, as it goes on, has more than `EVENTS_PAST_PROOF` times the events
+        If the continued run has more than `EVENTS_PAST_PROOF` times the events
         that its cap allows: transit times are too different.
     """
     simulation = run.simulation
@@ -63,7 +63,7 @@ def cell_conditions(run: ExactRun, *, in_order: bool) -> list[TracedFraction]:
         separation = separation_of(run, contact, end)
         conditions += separation.conditions
         uses_energy |= separation.uses_energy
-    # Fronts in flight must not arrive before the end, so the run goes on until they
+    # Fronts in flight must not arrive before the end. The run is continued until they
     # arrive: each meets a contact within a round trip of its body.
     until_arrivals = end + margin + 2 * _longest_transit(run)
     _run_on(simulation, until_arrivals, max_events)
@@ -95,7 +95,7 @@ def _proof_tick(simulation: Simulation, max_events: int) -> TracedFraction:
     """Tick of the proof as a traced fraction, a function of the names.
 
     If the kernel waited for its proof, the tick is an integer, and no event has it.
-    Then the run goes on to the next event, and the tick of this event is returned.
+    Then the run is continued to the next event, whose tick is returned.
     """
     proof_tick: TracedFraction = simulation.run.proved_tick + ZERO  # traced, not int
     for row in simulation.log[: simulation.run.log_rows]:

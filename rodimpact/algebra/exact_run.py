@@ -20,8 +20,11 @@ from .exact_results import Exact
 from .traced_fraction import ZERO, TracedFraction
 
 TICKS_PER_SHORTEST_TRANSIT = 1 << 20
-"""Smallest number of ticks in a transit: the kernel waits a tick where it waits to
-prove finality, which must be short beside any transit time."""
+"""Smallest number of ticks in a transit.
+
+The kernel may wait a tick for its proof of finality: a tick must be short compared with
+any transit time.
+"""
 
 
 # Numbers of a row ---------------------------------------------------------------------
@@ -231,8 +234,8 @@ def _impulses(
     for i, law in enumerate(row.system.contacts):
         impulse = simulation.nodes[nodes[i]].impulse / tick_rate
         if isinstance(law, Bonded):
-            # Body i hands on the momentum m (v - V) that it loses, and what it receives
-            # from its left.
+            # The impulse on the right body is the momentum m (v - V) that body i loses,
+            # plus the impulse on body i from its left.
             velocity_lost = numbers.velocities[i] - motions[i].after
             momentum_lost = _mass(row, numbers, i) * velocity_lost
             impulse = momentum_lost + impulse_from_left
@@ -260,7 +263,7 @@ def _contact_times(
     times: dict[int, list[TracedFraction]] = {node: [] for node in nodes}
     for change in simulation.changes:
         node = change.next_row  # this field of a change, unlike a front, is its node
-        times_at_node = times[node]  # starts and ends in turn
+        times_at_node = times[node]  # a start, its end, the next start, ...
         is_pressing = change.value == Status.PRESS
         was_pressing = len(times_at_node) % 2 == 1
         if is_pressing != was_pressing:
@@ -270,6 +273,6 @@ def _contact_times(
     for times_at_node in times.values():
         starts = times_at_node[::2]
         ends = times_at_node[1::2]
-        # An episode that goes on has a start without an end: `zip` leaves it out.
+        # An unfinished episode has a start without an end: `zip` leaves it out.
         episodes.append(tuple(zip(starts, ends, strict=False)))
     return tuple(episodes)

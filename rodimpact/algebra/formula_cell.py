@@ -32,8 +32,8 @@ class FormulaCell:
     ) -> None:
         """Find the conditions of a run, to be evaluated in symbols when asked.
 
-        The run goes on beyond its proof for that; FormulaTooLong if it takes too many
-        events. `values` are the numbers of the symbols in this run, by name.
+        The run is continued beyond its proof; FormulaTooLong if it has too many events.
+        `values` are the numbers of the symbols in this run, by name.
         """
         self._algebra = algebra
         self._results = run.results
@@ -99,7 +99,7 @@ class FormulaCell:
         numbers = _values_of(self._conditions, point)
         if any(x < 0 for x in numbers):
             return False
-        # A condition may be 0 inside the cell, too. Its factors tell.
+        # A condition may be 0 inside the cell, too: then its factors decide.
         for p in self._vanishing_factors(numbers):
             if self._algebra.value(p, point) <= 0 and p not in open_borders:
                 return False

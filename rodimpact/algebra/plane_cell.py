@@ -50,7 +50,7 @@ class PlaneCell:
     ) -> None:
         """Take the conditions from the run, and prepare to evaluate them in floats.
 
-        The run goes on beyond its proof for that; FormulaTooLong if it takes too long.
+        The run is continued beyond its proof; FormulaTooLong if it is too long.
         """
         self.results = run.results
         self._wave_speeds = row.wave_speeds

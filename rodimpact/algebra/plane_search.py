@@ -272,7 +272,7 @@ class PlaneSearch:
             cells = np.full(len(points), UNDECIDED)
             cells[apart] = self._cells_at(cut_points[apart])
 
-            # The border is where two cells touch, or where floats do not tell the cell.
+            # The border is where two cells touch, or where floats cannot decide.
             borders = [*np.flatnonzero(touch)]
             is_resolved = (edges.cells >= 0).all(axis=1)
             undecided = np.flatnonzero(apart & (cells == UNDECIDED) & is_resolved)
@@ -379,8 +379,9 @@ def locate(cells: Sequence[PlaneCell], x: Floats, y: Floats) -> Indices:
 def _rounded(shares: Floats, room: Any = 1.0) -> Floats:
     """Points near the given ones, whose shares of the axes are short fractions.
 
-    Shares of y lie an eighth of a step beside those of x. Otherwise points with equal
-    numbers on both axes, such as velocities of both bodies, would lie on a border.
+    Shares of y are an eighth of a step larger than those of x. Otherwise points with
+    equal numbers on both axes, such as velocities of both bodies, would lie on a
+    border.
 
     Parameters
     ----------

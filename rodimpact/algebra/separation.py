@@ -86,7 +86,7 @@ def _vibration_energy(run: ExactRun) -> TracedFraction:
         v = numbers.velocities[i]  # before
         V = run.results.velocities_after[i]
         if isinstance(body, Wall):
-            # A wall gives the row the reaction of what it bears, in the kernel's unit.
+            # Impulse of the wall on its neighbours, by reaction, in the kernel's unit
             impulse_on_row = (impulses[i + 1] - impulses[i]) * run.tick_rate
             energy = energy + impulse_on_row * v
         first, last = run.row.spans[i]
@@ -144,7 +144,7 @@ def _circulating_waves(
     is_outside = last == 0  # outside the row, the group is the empty range 1 to 0
     if is_outside or finality.no_front_in_flight(lines, s, last):
         return [CirculatingWave(lines[incoming_line].incoming_wave, tick=ZERO)]
-    # End velocities are bounded beside fronts only for a uniform body, the segment s. A
+    # Where fronts are in flight, only a uniform body, the segment s, gets here. A
     # receding front turns at the far end, one transit after it left the contact.
     approaching = 2 * s
     receding = 2 * s + 1

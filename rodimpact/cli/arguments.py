@@ -107,7 +107,7 @@ class Arguments(argparse.Namespace):
         """Name mistakes after the options that gave the arguments.
 
         An error that names no argument has the path "". If this path has no name, the
-        error is a fault of rodimpact, and goes on as it is.
+        error is a fault of rodimpact, and is raised unchanged.
 
         Parameters
         ----------

@@ -171,7 +171,7 @@ def run(args: Arguments) -> CommandResult:
 def _check_direct_impact(args: Arguments, bodies: set[int], is_cut: bool) -> None:
     """Add a problem unless all gauges are on one bar, behind the striker.
 
-    Cut pulses or --equal-forces beside --direct-impact are a problem, too.
+    Cut pulses or --equal-forces together with --direct-impact are a problem, too.
     """
     if is_cut or args.equal_forces:
         message = "goes with --gauge alone; equal forces are assumed"
@@ -184,7 +184,7 @@ def _check_direct_impact(args: Arguments, bodies: set[int], is_cut: bool) -> Non
 def _positions_of_pulses(args: Arguments, case: Case) -> GaugePositions:
     """Positions of the three cut pulses, by their channels.
 
-    Problems are added: a pulse that is missing, --gauge beside them, pulses on wrong
+    Problems are added: a pulse that is missing, --gauge as well, pulses on wrong
     bodies, and channels that are not different.
     """
     positions: GaugePositions = {}

@@ -107,7 +107,7 @@ def _front_events(solution: Solution, names: tuple[str, str]) -> list[Event]:
 def _pieces(solution: Solution, body: int, time: float) -> str:
     """Velocity and stress of a rod's pieces at a time, s, with fronts between them.
 
-    Numbers that are round-off beside those of the impact, v and rho c v, are 0.
+    Numbers are 0 if they are round-off compared with those of the impact, v, rho c v.
     """
     impact_velocity = max(map(abs, solution.outcome.velocities_before))
     rod: Any = solution.system.bodies[body]
