@@ -217,8 +217,8 @@ def _form(
 class Ties(NamedTuple):
     """Borders on which the numbers of the system lie."""
 
-    inner: set[Any]  # those between cells of the same formula
-    outer: set[Any]
+    inner: set[Any]  # polynomials of borders between cells of the same formula
+    outer: set[Any]  # polynomials of borders to cells of other formulas
 
 
 @explain_missing()

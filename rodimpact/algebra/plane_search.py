@@ -36,7 +36,7 @@ SEED = 1867
 BORDER_TOLERANCE = 1e-11
 """Two cells whose ends on an edge are nearer, as a share of the edge, touch there."""
 MAX_EDGE_CUTS = 12
-"""Times that an edge is cut in two at most."""
+"""Largest number of times that an edge is cut in two."""
 UNRESOLVED = -1
 """Cell of a point whose collision is not over, or that the cap on runs left out."""
 UNDECIDED = -2

@@ -193,7 +193,7 @@ def heaviside_times(x: TracedFraction, y: TracedFraction) -> TracedFraction:
 class Constant(NamedTuple):
     """Step of a program: a number."""
 
-    value: Any
+    value: Any  # a fraction, or the kind of number of the program
 
 
 class Name(NamedTuple):
@@ -206,7 +206,7 @@ class Operation(NamedTuple):
     """Step of a program: a function of the results of two earlier steps."""
 
     function: BinaryFunction
-    left: int
+    left: int  # index of the step of the left operand
     right: int
 
 

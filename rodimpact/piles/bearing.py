@@ -40,7 +40,7 @@ from .blows import (
 from .resting import CELLS, MAX_CELLS, at_rest
 
 MAX_RESISTANCES = 10_000
-"""Most resistances of a bearing graph."""
+"""Largest number of resistances of a bearing graph."""
 SET_ERROR_FACTOR = 2.0
 """Stated error of a set over its change from half of the cells to all of them.
 
@@ -324,8 +324,8 @@ class Settings(NamedTuple):
     """How the blows of a bearing graph are solved."""
 
     row: PileRow
-    shaft_share: float
-    cells: int
+    shaft_share: float  # part of the resistance along the shaft
+    cells: int  # of the segment with the longest transit time
     until: float | None  # s
 
 

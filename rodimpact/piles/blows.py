@@ -38,9 +38,9 @@ from .statics import (
 )
 
 MIN_CELLS = 2
-"""Fewest cells that may be asked for."""
+"""Smallest number of cells that a call may ask for."""
 MAX_BLOWS = 10_000
-"""Most blows that may be asked for."""
+"""Largest number of blows that a call may ask for."""
 TRANSITS_OF_BLOW = 10
 """Transit times of the pile in the usual duration of a blow."""
 MAX_LENGTHENINGS = 5
@@ -54,8 +54,8 @@ ROUND_TRIP_SAMPLES = 401
 class PileRow(NamedTuple):
     """The parts of a row that drives a pile."""
 
-    pile: int  # the first rod after the ram
-    toe: int  # the contact of the last rod with the wall below it
+    pile: int  # index of the first body of the pile, the first rod after the ram
+    toe: int  # index of the contact between the last rod and the wall below it
 
 
 @explain_missing()

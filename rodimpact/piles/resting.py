@@ -23,9 +23,9 @@ from .statics import (
 )
 
 CELLS = 100
-"""Cells of the segment with the longest transit, where their number is not given."""
+"""Default number of cells of the segment with the longest transit time."""
 MAX_CELLS = 10_000
-"""Most cells that may be asked for."""
+"""Largest number of cells that a call may ask for."""
 
 
 @explain_arguments

@@ -32,13 +32,13 @@ from ..model.profiles import averages
 RIGID_STIFFNESS = 1e4
 """Stiffness of a rigid contact, over the largest of a cell or another contact."""
 MAX_ROUNDS = 50
-"""How often contacts may open and close in the search for the equilibrium."""
+"""Largest number of rounds of the search, in which contacts open and close."""
 OVERLAP_RTOL = 1e-12
-"""Overlap that is round-off, over the largest displacement."""
+"""Overlap that counts as round-off, over the largest displacement."""
 BALANCE_RTOL = 1e-9
-"""Net force on bodies that nothing holds, over the largest force: round-off."""
+"""Net force that counts as round-off, over the largest force, on floating bodies."""
 YIELD_RTOL = 1e-9
-"""Share by which a resistance may exceed the ultimate one: round-off."""
+"""Share by which round-off may raise a resistance above the ultimate one."""
 
 
 class Contact(NamedTuple):
