@@ -33,7 +33,10 @@ MAX_CELLS = 300
 REGION_SAMPLES = 60
 """Points along each axis at which sizes of regions are taken."""
 SIGNS = {"velocity": "any", "gap": "non-negative"}
-"""Signs that an axis may have. Other axes are positive: near 0 cells have no end."""
+"""Signs that an axis may have.
+
+Other axes are positive: near 0 the number of cells is infinite.
+"""
 
 
 @explain_arguments

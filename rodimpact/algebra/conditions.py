@@ -19,7 +19,7 @@ from .separation import separation_of
 from .traced_fraction import HALF, ZERO, TracedFraction
 
 EVENTS_PAST_PROOF = 8
-"""Events of a run that goes on past its proof, over the cap on those up to the proof.
+"""Cap on the events of a run that is continued past its proof, over the cap before.
 
 The run continues for up to two transits of the longest body. A row of similar rods then
 has at most 6 times as many events as at the proof.

@@ -31,16 +31,16 @@ POINT_STEPS = 1 << 12
 RANDOM_POINTS = 2 * LATTICE**2
 EDGES = 2 * LATTICE * (LATTICE + 1)
 ALL_POINTS = RANDOM_POINTS + LATTICE**2 + EDGES
-"""Points of a search, about, for its progress: at random, nodes, and one an edge."""
+"""Approximate number of points of a search: random ones, nodes, and one an edge."""
 SEED = 1867
 BORDER_TOLERANCE = 1e-11
 """Two cells whose ends on an edge are nearer, as a share of the edge, touch there."""
 MAX_EDGE_CUTS = 12
 """Largest number of times that an edge is cut in two."""
 UNRESOLVED = -1
-"""Cell of a point whose collision is not over, or that the cap on runs left out."""
+"""Cell of a point whose collision is not over, or was not run due to a cap."""
 UNDECIDED = -2
-"""Cell of a point so near a border that floats do not tell the sign of a condition."""
+"""Cell of a point so near a border that floats do not decide a condition's sign."""
 
 
 class PlaneAxis(NamedTuple):

@@ -32,7 +32,7 @@ CONDITIONS_REFUSAL = (
     "some by their whole paths, such as bodies.0.length"
 )
 MAX_COMPARED_TERMS = 40
-"""Whether others imply a polynomial is not tried for longer ones."""
+"""Longer polynomials are kept without testing whether others imply them."""
 MAX_SHARE_DENOMINATOR = 10**6
 """Largest denominator of the shares with which linear forms are tried."""
 

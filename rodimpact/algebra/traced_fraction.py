@@ -25,9 +25,9 @@ HEAVISIDE = "H"
 NEUTRAL = {"+": 0, "-": 0, "*": 1, "/": 1}
 """Right operand of each operation that changes nothing."""
 MAX_BITS = 1 << 16
-"""Binary digits of a denominator: with longer ones an event takes 10 ms and more."""
+"""Largest number of binary digits of a denominator: then an event takes 10 ms."""
 COMMUTATIVE = "+*"
-"""Operations that the same left operand leaves without change, too."""
+"""Operations in which a left operand with this value changes nothing, either."""
 
 
 def _heaviside(x: Any, y: Any) -> Any:

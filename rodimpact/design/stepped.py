@@ -22,7 +22,7 @@ AREA_RATIO = (1 / 9, 9 / 4)
 """Default limits of areas: diameters from a third to one and a half times the bar's."""
 MAX_SEGMENTS = 50
 MAX_UNTIL = 20
-"""Latest time until which a pulse may be wanted, in durations."""
+"""Largest `until` of a wanted pulse, over its duration."""
 EXACT_MISFIT = 1e-12
 """A smaller misfit is round-off."""
 BETTER_MISFIT_RTOL = 1e-9

@@ -23,11 +23,11 @@ from .result import Addition, Fit
 BLOCK_OVER_RISE = 1.2
 """Duration of a block over the rise time of the pulse."""
 MIN_BLOCKS = 8
-"""Blocks of a record, at least."""
+"""Smallest number of blocks of a record."""
 DIVISIONS = 4
 """Divisions into blocks; each begins a half block later than the one before."""
 MIN_INFORMATION = 1e-6
-"""A direction with smaller derivatives, relative to the largest, stays as it is."""
+"""Relative derivative below which linear fits change nothing in a direction."""
 
 
 class Trial(NamedTuple):

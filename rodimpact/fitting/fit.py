@@ -35,7 +35,7 @@ from .searching import Grids, coarse_shares, search_on, sizes_of_numbers
 from .summary import summarise
 
 MIN_CELLS_TO_HALVE = 200
-"""Cells of a grid from which on searches begin with half of them."""
+"""With at least as many cells, searches begin on a grid of half of them."""
 
 
 @explain_arguments

@@ -20,17 +20,17 @@ HIGH_CORRELATION = 0.98
 """Correlation above which two numbers are hardly distinguishable."""
 SAME_MISFIT_RTOL = 1e-3
 SAME_MISFIT_ATOL = 1e-9
-"""Difference of two misfits that counts as none."""
+"""Misfits that differ by less, relative or absolute, count as equal."""
 SAME_VALUE_ERRORS = 0.3
-"""Spread of the ends of equal searches that counts as none, in standard errors."""
+"""Values that differ by less, in standard errors, count as equal."""
 MISFIT_OVER_NOISE = 4.0
-"""A misfit above so many times the noise before the pulse is one of the model."""
+"""A misfit above this multiple of the noise before the pulse is due to the model."""
 LEAST_MISFIT = 0.005
 """A misfit below this part of the level is not worth a note."""
 PULSE_BEGINS = 0.01
 """Part of the largest predicted value at which the pulse begins."""
 FEWEST_NOISE_SAMPLES = 8
-"""Samples before the pulse that are needed to measure the noise."""
+"""Smallest number of samples before the pulse from which noise is estimated."""
 
 
 def notes_on_numbers(

@@ -36,7 +36,7 @@ from .parameters import (
 )
 
 CONSTANT_PIECE = 1.0
-"""Duration of the constant piece at each end of a curve, s; it goes on beyond."""
+"""Duration of the constant piece at each end of a curve, s; its value holds beyond."""
 
 
 def compute_strains(
