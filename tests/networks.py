@@ -25,7 +25,8 @@ def unit_rod(length=1.0, area=1.0, **state):
 
 def logarithmic(rng, low, high):
     """A random number between two, its logarithm evenly distributed."""
-    return float(math.exp(rng.uniform(math.log(low), math.log(high))))
+    exponent = rng.uniform(math.log(low), math.log(high))
+    return float(math.exp(exponent))
 
 
 def random_state(rng, length, scale):
@@ -37,12 +38,13 @@ def random_state(rng, length, scale):
     if kind < 0.5:
         return float(scale * rng.uniform(-1, 1))
     n_values = rng.integers(2, 7)
-    values = (scale * rng.uniform(-1, 1, n_values)).tolist()
+    values = scale * rng.uniform(-1, 1, n_values)
     if kind < 0.75:
-        jumps = rng.choice(np.arange(1, 32), size=n_values - 1, replace=False)
+        possible_jumps = np.arange(1, 32)
+        jumps = rng.choice(possible_jumps, size=n_values - 1, replace=False)
         places = np.sort(jumps) / 32 * length
-        return ri.Steps(values, places.tolist())
-    return ri.Samples(values)
+        return ri.Steps(values.tolist(), places.tolist())
+    return ri.Samples(values.tolist())
 
 
 def random_segment(rng):
@@ -77,7 +79,8 @@ def random_joint(rng):
         damping = 0.0
     elif kind == 2:
         stiffness = 0.0
-    stretch = float(rng.uniform(-0.3, 0.3)) / (1 + stiffness)
+    length = float(rng.uniform(-0.3, 0.3))
+    stretch = length / (1 + stiffness)  # stiff springs are stretched less
     return ri.Joint(stiffness, damping, stretch=stretch)
 
 
@@ -100,7 +103,8 @@ def random_law(rng, left, right):
         if isinstance(left, ri.Rod) or isinstance(right, ri.Rod):
             return ri.Rigid()
         # Between masses and walls no waves decide how the bodies part.
-        return ri.Rigid(restitution=float(rng.choice([0, 1, 0.6])))
+        restitution = float(rng.choice([0, 1, 0.6]))
+        return ri.Rigid(restitution=restitution)
     # All laws are made, so that a seed makes the same row whatever its law is.
     laws = [
         ri.Spring(stiffness),
@@ -121,10 +125,10 @@ def random_drive(rng, scale):
     kind = rng.integers(3)
     if kind == 0:
         return float(scale * rng.uniform(-1, 1))
-    values = (scale * rng.uniform(-1, 1, 5)).tolist()
+    values = scale * rng.uniform(-1, 1, 5)
     if kind == 1:
-        return ri.Steps(values, [0.5, 0.71, 1.9, 2.0])
-    return ri.Samples(values, step=0.6)
+        return ri.Steps(values.tolist(), [0.5, 0.71, 1.9, 2.0])
+    return ri.Samples(values.tolist(), step=0.6)
 
 
 def random_end(rng, body, driven):
@@ -160,14 +164,16 @@ def move_together(bodies, contacts):
         leads = not isinstance(bodies[leader], ri.Rod)
         if isinstance(law, ri.Bonded) and follows and leads:
             velocity = bodies[leader].velocity
-            bodies[follower] = ri.RigidMass(bodies[follower].mass, velocity=velocity)
+            mass = bodies[follower].mass
+            bodies[follower] = ri.RigidMass(mass, velocity=velocity)
 
 
 def random_body(rng):
     """A rod or a rigid mass."""
     if rng.random() < 0.4:
         mass = logarithmic(rng, 0.02, 20)
-        return ri.RigidMass(mass, velocity=float(rng.uniform(-1, 1)))
+        velocity = float(rng.uniform(-1, 1))
+        return ri.RigidMass(mass, velocity=velocity)
     return random_rod(rng)
 
 

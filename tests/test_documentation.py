@@ -159,7 +159,7 @@ def test_the_manual_is_no_longer_than_it_may_be():
 
 @pytest.mark.parametrize("count", few_of([2, 7], [2]))
 def test_figures_of_the_theory_are_committed_with_the_words_of_their_functions(count):
-    """Those of the first seven functions, which are drawn quickly, are compared."""
+    """Only the first functions, which are drawn quickly, are compared."""
     spec = importlib.util.spec_from_file_location(
         "figures", ROOT / "docs" / "theory_figures.py"
     )

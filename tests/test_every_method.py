@@ -57,8 +57,11 @@ def solve_by(method, system):
 
 def energy_scale(energy):
     """Largest energy or work of a run, J; above 0."""
-    works = [np.abs(getattr(energy, name)).max() for name in WORKS]
-    return energy.total.max() + max(works) + 1e-300
+    largest_works = []
+    for name in WORKS:
+        work = getattr(energy, name)
+        largest_works.append(np.abs(work).max())
+    return energy.total.max() + max(largest_works) + 1e-300
 
 
 def assert_energies_balance(solution, driven, rtol):
@@ -67,19 +70,24 @@ def assert_energies_balance(solution, driven, rtol):
     Nothing works on a row that is not driven; in a driven one losses are not compared,
     as drives may jump against them. Bounds are `rtol` of the largest energy or work.
     """
-    energy = solution.energy(np.linspace(0, solution.t_end, 33))
+    times = np.linspace(0, solution.t_end, 33)
+    energy = solution.energy(times)
     scale = energy_scale(energy)
-    assert np.abs(energy.residual).max() <= rtol * scale
+    missing = np.abs(energy.residual).max()
+    assert missing <= rtol * scale
     for name in STORED:
-        assert getattr(energy, name).min() >= -1e-12 * scale
+        stored = getattr(energy, name)
+        assert stored.min() >= -1e-12 * scale
     for name in LOSSES:
         loss = getattr(energy, name)
         assert loss[0] == 0
         if not driven:
-            assert np.diff(loss).min() >= -rtol * scale
+            changes = np.diff(loss)
+            assert changes.min() >= -rtol * scale
     if not driven:
         for name in ("wall_work", "drive_work", "gravity_work"):
-            assert np.abs(getattr(energy, name)).max() <= 1e-12 * scale
+            work = getattr(energy, name)
+            assert np.abs(work).max() <= 1e-12 * scale
 
 
 def assert_outcome_is_that_at_the_end(solution, rtol):
@@ -87,11 +95,13 @@ def assert_outcome_is_that_at_the_end(solution, rtol):
 
     Bounds are `rtol` of the largest energy or work.
     """
-    energy = solution.energy(np.linspace(0, solution.t_end, 33))
+    times = np.linspace(0, solution.t_end, 33)
+    energy = solution.energy(times)
     outcome = solution.outcome
+    vibration = sum(outcome.vibration_after)
     totals = {
         "kinetic": outcome.kinetic_after,
-        "vibration": sum(outcome.vibration_after),
+        "vibration": vibration,
         "contact": outcome.contact_energy,
     }
     for name in (*LOSSES, *WORKS):
@@ -101,7 +111,8 @@ def assert_outcome_is_that_at_the_end(solution, rtol):
     assert abs(outcome.energy_residual) <= rtol
     near = rtol * energy_scale(energy)
     for name, total in totals.items():
-        at_end = getattr(energy, name)[-1]
+        history = getattr(energy, name)
+        at_end = history[-1]
         assert total == pytest.approx(at_end, abs=near), name
 
 
@@ -114,9 +125,11 @@ def impulses_on_ends(solution, times):
     ticks = solution.fields.to_ticks(times)
     impulses = []
     actions = solution.run.signals.boundary_actions
-    for action, end in zip(actions, solution.system.ends, strict=True):
+    tick = solution.fields.clock.tick
+    ends = solution.system.ends
+    for action, end in zip(actions, ends, strict=True):
         if action:
-            impulse = action.push.integral(0, ticks) * solution.fields.clock.tick
+            impulse = action.push.integral(0, ticks) * tick
         elif isinstance(end, ri.Fixed):
             impulse = np.full(len(times), math.nan)
         else:
@@ -140,14 +153,19 @@ def assert_forces_move_bodies(solution, rtol):
         if not isinstance(body, ri.Wall):
             free.append(i)
     masses = solution.outcome.masses
-    momentum = sum(masses[i] for i in free) * solution.fields.clock.scale
-    near = rtol * (momentum + np.nansum(np.abs(impulses))) + 1e-15
+    mass = sum(masses[i] for i in free)
+    momentum = mass * solution.fields.clock.scale
+    total_impulse = np.nansum(np.abs(impulses))
+    near = rtol * (momentum + total_impulse) + 1e-15
     for i in free:
         velocity = solution.mean_velocity(i, times)
-        change = velocity - velocity[0] - system.gravity * times  # without the fall
+        fall = system.gravity * times
+        change = velocity - velocity[0] - fall
         impulse = impulses[i] - impulses[i + 1]
-        if not np.isnan(impulse[-1]):  # not at a fixed end
-            assert masses[i] * change == pytest.approx(impulse, abs=near)
+        is_known = not np.isnan(impulse[-1])  # it is not known at a fixed end
+        if is_known:
+            momentum_gained = masses[i] * change
+            assert momentum_gained == pytest.approx(impulse, abs=near)
 
 
 def assert_gaps_are_between_ends(solution, near):
@@ -159,10 +177,12 @@ def assert_gaps_are_between_ends(solution, near):
     for i, contact in enumerate(solution.contacts):
         if isinstance(contact.law, ri.Yielding):
             continue
-        end = getattr(solution.system.bodies[i], "length", 0.0)
+        body = solution.system.bodies[i]
+        end = getattr(body, "length", 0.0)  # a mass or a wall has none
         left = solution.position(i, end, times)
         right = solution.position(i + 1, 0.0, times)
-        assert contact.gap(times) == pytest.approx(right - left, abs=near)
+        distance = right - left
+        assert contact.gap(times) == pytest.approx(distance, abs=near)
 
 
 def assert_strains_stretch_rods(solution):
@@ -172,22 +192,29 @@ def assert_strains_stretch_rods(solution):
     known to a tenth of the largest strain.
     """
     times = np.array([0.0, 0.7 * solution.t_end])
-    shares = (np.arange(400)[:, None] + 0.5) / 400
+    middles = (np.arange(400) + 0.5) / 400
+    shares = middles[:, None]
     for i, body in enumerate(solution.system.bodies):
         if not isinstance(body, ri.Rod):
             continue
-        strain = solution.strain(i, shares * body.length, times)  # [place, time]
+        x = shares * body.length
+        strain = solution.strain(i, x, times)  # [place, time]
         left = solution.displacement(i, 0.0, times)
         right = solution.displacement(i, body.length, times)
         stretch = body.length * strain.mean(axis=0)
-        near = 0.1 * body.length * np.abs(strain).max() + 1e-15
+        largest_strain = np.abs(strain).max()
+        near = 0.1 * body.length * largest_strain + 1e-15
         assert right - left == pytest.approx(stretch, abs=near)
 
 
 @by_method
 @given(SEEDS, st.booleans())
 def test_energies_momenta_gaps_and_strains_fit_together(method, seed, driven):
-    solution = solve_by(method, ROWS[method](seed, driven))
+    """Energies and momenta balance; except on a grid, gaps and strains are those of the
+    positions of ends.
+    """
+    system = ROWS[method](seed, driven)
+    solution = solve_by(method, system)
     rtol = BALANCE_RTOL[method]
     assert_energies_balance(solution, driven, rtol)
     assert_outcome_is_that_at_the_end(solution, rtol)
@@ -200,13 +227,15 @@ def test_energies_momenta_gaps_and_strains_fit_together(method, seed, driven):
 def assert_contacts_are_alike(contacts, others, times, near):
     """Gaps at these times and impulses at the end are equal to within `near`."""
     for contact, other in zip(contacts, others, strict=True):
-        assert other.gap(times) == pytest.approx(contact.gap(times), abs=near)
+        gap = contact.gap(times)
+        assert other.gap(times) == pytest.approx(gap, abs=near)
         assert other.impulse == pytest.approx(contact.impulse, abs=near)
 
 
 @by_method
 @given(SEEDS)
 def test_velocities_gaps_and_impulses_of_a_mirror_image_are_mirrored(method, seed):
+    """A random driven row and its mirror image are solved by each method."""
     system = ROWS[method](seed, driven=True)
     near = BALANCE_RTOL[method]  # velocities and lengths are of the order of 1
 
@@ -219,21 +248,25 @@ def test_velocities_gaps_and_impulses_of_a_mirror_image_are_mirrored(method, see
         velocity = solution.mean_velocity(i, times)
         image_velocity = image.mean_velocity(last - i, times)
         assert -image_velocity == pytest.approx(velocity, abs=near)
-    assert_contacts_are_alike(solution.contacts, image.contacts[::-1], times, near)
+    contacts_of_image = image.contacts[::-1]
+    assert_contacts_are_alike(solution.contacts, contacts_of_image, times, near)
 
 
 @by_method
 @given(SEEDS, st.sampled_from([1.0, -30.0]))
 def test_velocities_gaps_and_impulses_are_the_same_in_a_moving_frame(method, seed, v):
+    """A random driven row is solved by each method, at rest and with v, m/s, added to
+    all velocities.
+    """
     system = ROWS[method](seed, driven=True)
-    near = BALANCE_RTOL[method] * (
-        1 + abs(v)
-    )  # round-off of velocities that are v more
+    speed = 1 + abs(v)  # round-off of velocities that are v more
+    near = BALANCE_RTOL[method] * speed
     if method == "finite-difference":
         near *= 11  # round-off of each of its steps adds up
 
     solution = solve_by(method, system)
-    moving = solve_by(method, shifted(system, v))
+    moving_system = shifted(system, v)
+    moving = solve_by(method, moving_system)
 
     times = np.linspace(0, solution.t_end, 17)
     for i in range(len(system.bodies)):

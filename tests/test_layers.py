@@ -104,7 +104,7 @@ def test_no_modules_import_each_other_in_a_loop():
 
 
 def test_kernels_of_fronts_import_records_statuses_and_each_other_only():
-    """So the page can take them."""
+    """So the page can take them as they are."""
     kernels = {
         f"methods.fronts.{name}"
         for name in (

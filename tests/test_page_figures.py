@@ -87,7 +87,9 @@ def test_committed_figures_are_those_of_their_cells(part, tmp_path, monkeypatch)
 
 
 def assert_show_the_same(drawn, committed):
-    """Up to what versions of libraries draw differently."""
+    """Assert that two figures show the same, up to what versions of libraries draw
+    differently.
+    """
     name = committed.title
     assert drawn.title
     assert drawn.title == committed.title

@@ -20,9 +20,11 @@ def chain(n=2, material=STEEL, last=None, gap=0.0):
     if last is None:
         last = material
     first = ri.Rod(0.1, area=1e-4, material=material, velocity=1.0)
-    others = [ri.Rod(0.1, area=1e-4, material=material)] * (n - 1)
+    equal = ri.Rod(0.1, area=1e-4, material=material)
+    others = [equal] * (n - 1)
     last_rod = ri.Rod(0.2, area=1e-4, material=last)
-    return ri.System([first, *others, last_rod], gaps=[gap] * n)
+    bodies = [first, *others, last_rod]
+    return ri.System(bodies, gaps=[gap] * n)
 
 
 def gradient(system, path):
@@ -38,7 +40,9 @@ def exact(system, path):
 
 
 def atlas(system, path):
-    return ri.atlas(system, (path, 1.0, 2.0), ("bodies.0.length", 0.1, 0.2))
+    x = (path, 1.0, 2.0)
+    y = ("bodies.0.length", 0.1, 0.2)
+    return ri.atlas(system, x, y)
 
 
 def fit(system, path):
@@ -47,7 +51,8 @@ def fit(system, path):
 
 
 def read_case(system, path):
-    return ri.parse_case(ri.format_case(system), vary={path: "1,2"})
+    text = ri.format_case(system)
+    return ri.parse_case(text, vary={path: "1,2"})
 
 
 FUNCTIONS = [gradient, closed_form, exact, atlas, fit, read_case]
@@ -66,7 +71,8 @@ FUNCTIONS = [gradient, closed_form, exact, atlas, fit, read_case]
 )
 def test_a_wrong_path_is_told_with_the_nearest_of_its_object(function, path, advice):
     system = chain(20, FRACTIONAL, gap=1e-4)
-    (message,) = problems(lambda: function(system, path)).values()
+    messages = problems(lambda: function(system, path))
+    (message,) = messages.values()
     assert advice in message
     assert "..." not in message  # the message is not too long to be shown
 
@@ -74,7 +80,8 @@ def test_a_wrong_path_is_told_with_the_nearest_of_its_object(function, path, adv
 @pytest.fixture(scope="module")
 def heavy():
     """A chain whose last rod is of a brass of 8000 kg/m^3."""
-    return chain(last=ri.materials.brass.replace(density=8000.0))
+    heavy_brass = ri.materials.brass.replace(density=8000.0)
+    return chain(last=heavy_brass)
 
 
 by_both_paths = pytest.mark.parametrize(
@@ -84,23 +91,34 @@ by_both_paths = pytest.mark.parametrize(
 
 @by_both_paths
 def test_closed_forms_take_materials_by_name_and_by_body(heavy, path):
-    velocity = ri.solve(heavy).outcome.velocities_after[2]
+    """The velocity of the last rod by the formula of a lighter chain is that of a run of
+    `heavy`.
+    """
+    *_, velocity = ri.solve(heavy).outcome.velocities_after
+    light = chain(last=ri.materials.brass)
 
-    form = ri.closed_form(chain(last=ri.materials.brass), [path])
+    form = ri.closed_form(light, [path])
 
     (name,) = form.symbols
     density = {name: 8000}  # that of `heavy`
-    by_formula = float(form.at(**density).velocities_after[2])
-    assert by_formula == pytest.approx(velocity, rel=1e-12)
+    outcome = form.at(**density)
+    *_, by_formula = outcome.velocities_after
+    assert float(by_formula) == pytest.approx(velocity, rel=1e-12)
 
 
 @by_both_paths
 def test_families_take_materials_by_name_and_by_body(heavy, path):
-    velocity = ri.solve(heavy).outcome.velocities_after[2]
-    text = ri.format_case(chain(last=ri.materials.brass))
+    """The velocity of the last rod in a family over the density is that of a run of
+    `heavy`.
+    """
+    *_, velocity = ri.solve(heavy).outcome.velocities_after
+    light = chain(last=ri.materials.brass)
+    text = ri.format_case(light)
+
     family = ri.parse_case(text, vary={path: "8000,8001"}).system
-    by_sweep = ri.sweep(family).velocities_after[2][0]
-    assert by_sweep == pytest.approx(velocity, rel=1e-12)
+    *_, velocities = ri.sweep(family).velocities_after  # of the last rod [member]
+
+    assert velocities[0] == pytest.approx(velocity, rel=1e-12)
 
 
 def test_gradients_take_materials_by_name_and_by_body(heavy):
@@ -133,7 +151,8 @@ def test_an_atlas_over_a_density_has_the_restitution_of_a_run_there(path):
     plane = ri.atlas(steel_on_brass(7850), densities, lengths)
 
     for density in (7100, 8900):
-        e = ri.solve(steel_on_brass(density)).outcome.restitution
+        system = steel_on_brass(density)
+        e = ri.solve(system).outcome.restitution
         by_atlas = float(plane.restitution(density, 1.0))
         assert by_atlas == pytest.approx(e, rel=1e-12)
     assert str(plane).endswith(f"where rho1 = {path}, l2 = bodies.1.length")
@@ -142,9 +161,11 @@ def test_an_atlas_over_a_density_has_the_restitution_of_a_run_there(path):
 def test_gradients_of_a_round_rod_take_its_diameter_and_its_area():
     diameter = 0.01
     striker = ri.Rod(0.4, diameter=diameter, material=STEEL, velocity=1.0)
-    system = ri.System([striker, ri.Rod(1.0, area=1e-4, material=STEEL)])
+    struck = ri.Rod(1.0, area=1e-4, material=STEEL)
+    system = ri.System([striker, struck])
     paths = ["bodies.0.diameter", "bodies.0.area"]
     slopes = ri.gradient(system, of="velocity_after.1", wrt=paths)
     area_by_diameter = np.pi * diameter / 2  # of pi d^2/4
     expected = slopes["bodies.0.area"] * area_by_diameter
-    assert slopes["bodies.0.diameter"] == pytest.approx(expected, rel=1e-12)
+    by_diameter = slopes["bodies.0.diameter"]
+    assert by_diameter == pytest.approx(expected, rel=1e-12)

@@ -59,6 +59,9 @@ def test_forces_and_gaps_are_never_negative_and_one_of_them_is_0_at_every_event(
 
 @given(SEEDS)
 def test_totals_of_contacts_agree_with_their_signals(seed):
+    """Impulse, duration, peak force and number of episodes are those of the breakpoints
+    of a random run.
+    """
     solution = run(random_system(seed))
     t_end = solution.t_end
     totals = solution.outcome.contacts
@@ -187,6 +190,9 @@ def rescaled(system, length=1.0, area=1.0, velocity=1.0, modulus=1.0, density=1.
 
 @given(SEEDS)
 def test_numbers_scaled_by_powers_of_two_scale_waves_and_times_exactly(seed):
+    """Lengths, areas, velocities, moduli and densities of a random row are scaled in
+    turn.
+    """
     system = random_system(seed, bodies=4)
     until = horizon(system, 10)
     reference = ri.solve(system, until, max_events=CAP)
@@ -231,6 +237,9 @@ def split(system, i):
 
 @given(SEEDS)
 def test_a_rod_that_is_cut_and_bonded_again_moves_as_before(seed):
+    """Velocities after are those of the whole rod; only rods without steps of state are
+    cut.
+    """
     system = random_system(seed, bodies=4)
     is_rod = [isinstance(body, ri.Rod) for body in system.bodies]
     i = is_rod.index(True)  # the first one
@@ -251,6 +260,7 @@ def test_a_rod_that_is_cut_and_bonded_again_moves_as_before(seed):
 @any_row
 @given(SEEDS, st.floats(0.05, 0.95))
 def test_a_run_from_a_state_in_between_ends_with_the_same_velocities(row, seed, part):
+    """The run is cut after this `part` of its time."""
     system = row(seed, bodies=4)
     until = horizon(system, 8)
     whole = ri.solve(system, until, max_events=CAP)

@@ -49,6 +49,7 @@ def collisions():
 
 
 def test_momentum_is_kept_and_the_impulse_is_the_change_of_either_momentum(collisions):
+    """All differences are at most a few roundings of the sums of magnitudes."""
     m1, v1, m2, v2, after = collisions
     w1 = after.velocity_1
     w2 = after.velocity_2
@@ -98,6 +99,9 @@ def test_velocities_after_are_the_same_in_a_moving_frame(m1, v1, m2, v2, e, u):
 
 @given(MASS, VELOCITY, MASS, VELOCITY, RESTITUTION)
 def test_a_collision_is_the_same_in_a_mirror(m1, v1, m2, v2, e):
+    """The bodies change sides, velocities their sign; velocities after, impulse and
+    lost energy correspond.
+    """
     assume(v1 - v2 > 1e-3)
     after = rigid.collide(m1, v1, m2, v2, e)
     mirror = rigid.collide(m2, -v2, m1, -v1, e)  # body 2 is on the left in it
@@ -177,7 +181,9 @@ def test_a_stack_is_a_row_of_collisions():
 
 
 def test_a_small_gap_makes_stacked_balls_collide_one_after_another():
-    """As `stack_drop` computes them; the tutorial and both helps say so."""
+    """The velocity of the upper ball is that of `stack_drop`; the tutorial and both
+    helps say so.
+    """
     masses = [0.6, 0.06]
     laws = [ri.Rigid(restitution=0.9), ri.Rigid(restitution=0.6)]
     first = ri.RigidMass(masses[0])
@@ -223,6 +229,9 @@ COLLISION = {"m1": 1.0, "v1": 1.0, "m2": 2.0, "v2": 0.0, "restitution": 0.5}
 
 @pytest.mark.parametrize("e", [1.1, -1.1])
 def test_a_restitution_beyond_1_needs_permission_and_releases_energy(e):
+    """It is refused, also as one of several; with `allow_energy_release` the lost
+    energy is negative.
+    """
     collision = {"m1": 1.0, "v1": 1.0, "m2": 1.0, "v2": 0.0}
     message = rf"restitution\[1\]: .*, got {e}, .*set allow_energy_release=True"
 

@@ -46,22 +46,27 @@ def follow_waves(Z1: int, T1: int, Z2: int, T2: int) -> Waves:
     forces = []
     opening = None
     for tick in range(12 * max(T1, T2)):
-        a = leaving_1[-2 * T1]  # what returns from rod 1
-        b = leaving_2[-2 * T2]  # what returns from rod 2
+        returning_1 = leaving_1[-2 * T1]  # left a round trip ago
+        returning_2 = leaving_2[-2 * T2]
         F = Fraction(0)
         if gap == 0:  # the force that lets both ends move alike, if it pushes
-            F = max(F, (a - b) / mobility)
+            F = max(F, (returning_1 - returning_2) / mobility)
         forces.append(F)
-        leaving_1.append(a - 2 * F / Z1)
-        leaving_2.append(b + 2 * F / Z2)
-        opening_rate = (b + F / Z2) - (a - F / Z1)
+        leaving_1.append(returning_1 - 2 * F / Z1)
+        leaving_2.append(returning_2 + 2 * F / Z2)
+        end_1 = returning_1 - F / Z1  # velocities of both ends
+        end_2 = returning_2 + F / Z2
+        opening_rate = end_2 - end_1
         if opening is None and opening_rate > 0:
             opening = tick
         gap += opening_rate
         assert gap > 0 or opening is None, "a second contact"
-    mean_1, vibration_1 = mean_and_vibration(leaving_1[-2 * T1 :], Z1)
-    mean_2, vibration_2 = mean_and_vibration(leaving_2[-2 * T2 :], Z2)
-    return Waves(forces, opening, mean_2 - mean_1, vibration_1 + vibration_2)
+    last_round_trip_1 = leaving_1[-2 * T1 :]
+    last_round_trip_2 = leaving_2[-2 * T2 :]
+    mean_1, vibration_1 = mean_and_vibration(last_round_trip_1, Z1)
+    mean_2, vibration_2 = mean_and_vibration(last_round_trip_2, Z2)
+    restitution = mean_2 - mean_1
+    return Waves(forces, opening, restitution, vibration_1 + vibration_2)
 
 
 def mean_and_vibration(signal: list[Fraction], Z: int) -> tuple[Fraction, Fraction]:
@@ -70,7 +75,8 @@ def mean_and_vibration(signal: list[Fraction], Z: int) -> tuple[Fraction, Fracti
     """
     mass_of_tick = Fraction(Z, 2)
     mean = sum(signal) / len(signal)
-    squares = sum((value - mean) ** 2 for value in signal)
+    squared_deviations = [(value - mean) ** 2 for value in signal]
+    squares = sum(squared_deviations)
     return mean, mass_of_tick / 2 * squares
 
 
@@ -83,6 +89,7 @@ by_whole_numbers = pytest.mark.parametrize(
 
 @by_whole_numbers
 def test_the_closed_form_of_two_rods_agrees_with_waves(numbers):
+    """All entries of `saint_venant` are those of `follow_waves`, to round-off."""
     Z1, T1, Z2, T2 = numbers
     waves = follow_waves(Z1, T1, Z2, T2)
     impulse = float(sum(waves.force))
@@ -100,7 +107,8 @@ def test_the_closed_form_of_two_rods_agrees_with_waves(numbers):
     assert pair.restitution == pytest.approx(restitution, abs=CLOSED_FORM_TOL)
     assert pair.impulse == pytest.approx(impulse, rel=CLOSED_FORM_TOL, abs=0)
     assert pair.peak_force == pytest.approx(peak_force, rel=CLOSED_FORM_TOL, abs=0)
-    assert pair.duration == pressed_ticks[-1] + 1
+    last_pressed = pressed_ticks[-1]
+    assert pair.duration == last_pressed + 1  # it lasts to the end of the tick
     assert pair.opening == waves.opening
     near = pytest.approx(vibration_energy, abs=energy_round_off)
     assert pair.vibration_energy == near
@@ -108,6 +116,9 @@ def test_the_closed_form_of_two_rods_agrees_with_waves(numbers):
 
 @by_whole_numbers
 def test_the_force_of_two_rods_agrees_with_waves_also_just_before_a_jump(numbers):
+    """`saint_venant_force` at each tick, and one float before it, is that of
+    `follow_waves`.
+    """
     Z1, T1, Z2, T2 = numbers
     waves = follow_waves(Z1, T1, Z2, T2)
     expected = [float(F) for F in waves.force]
@@ -117,8 +128,10 @@ def test_the_force_of_two_rods_agrees_with_waves_also_just_before_a_jump(numbers
     def force(t):
         return theory.saint_venant_force(t, Z1, T1, Z2, T2)
 
+    values_before = force(just_before)
+    expected_before = expected[:-1]
     assert force(ticks) == pytest.approx(expected, abs=CLOSED_FORM_TOL)
-    assert force(just_before) == pytest.approx(expected[:-1], abs=CLOSED_FORM_TOL)
+    assert values_before == pytest.approx(expected_before, abs=CLOSED_FORM_TOL)
     assert force(-1e-9) == 0.0
 
 
@@ -129,15 +142,18 @@ def exact_restitution(Z1: float, T1: float, Z2: float, T2: float) -> Fraction:
     Over each, of 2 Ts, the force is q times that of the one before; the last may be cut
     short by the wave in the long rod, after 2 Tl. (s: short, l: long.)
     """
-    rods = [(Fraction(T1), Fraction(Z1)), (Fraction(T2), Fraction(Z2))]
-    short, long = sorted(rods)
+    rod_1 = (Fraction(T1), Fraction(Z1))
+    rod_2 = (Fraction(T2), Fraction(Z2))
+    short, long = sorted([rod_1, rod_2])
     Ts, Zs = short
     Tl, Zl = long
     F0 = Zs * Zl / (Zs + Zl)
-    q = max(Fraction(0), (Zs - Zl) / (Zs + Zl))
+    reflected = (Zs - Zl) / (Zs + Zl)
+    q = max(Fraction(0), reflected)
     K = math.floor(Tl / Ts)  # whole round trips
     whole_trips = 2 * Ts * (1 - q**K) / (1 - q)  # a geometric series
-    last_trip = q**K * 2 * (Tl - K * Ts)
+    time_left = 2 * (Tl - K * Ts)
+    last_trip = q**K * time_left
     J = F0 * (whole_trips + last_trip)
     inverse_masses = 1 / (Zs * Ts) + 1 / (Zl * Tl)
     return J * inverse_masses - 1
@@ -154,8 +170,8 @@ def test_restitution_keeps_its_digits_at_any_ratio_of_impedances(ratio, long_tim
 
 @pytest.mark.parametrize("Z_long", [1.0, 1 + 1e-12, 1 - 1e-12])
 def test_a_small_restitution_keeps_its_digits(Z_long):
-    """It is the ratio of the lengths, and half of the relative excess of the impedance
-    of the long rod, if there is one.
+    """The restitution is the ratio of the lengths, and half of the relative excess of
+    the impedance of the long rod, if there is one.
     """
     T_long = 1e12
     ratio_of_lengths = 1 / T_long
@@ -167,8 +183,13 @@ def test_a_small_restitution_keeps_its_digits(Z_long):
 
 @given(PAIR, POSITIVE)
 def test_impulse_energy_and_durations_of_a_pair_fit_together(rods, V):
+    """The impulse is (1 + e) m V with the reduced mass m; energy and durations lie
+    within their limits.
+    """
     Z1, T1, Z2, T2 = rods
-    reduced_mass = Z1 * T1 * Z2 * T2 / (Z1 * T1 + Z2 * T2)
+    m1 = Z1 * T1
+    m2 = Z2 * T2
+    reduced_mass = m1 * m2 / (m1 + m2)
 
     pair = theory.saint_venant(Z1, T1, Z2, T2, V)
 
@@ -178,18 +199,22 @@ def test_impulse_energy_and_durations_of_a_pair_fit_together(rods, V):
     assert pair.impulse == pytest.approx(impulse, rel=CLOSED_FORM_TOL, abs=0)
     assert 0 <= pair.vibration_energy <= energy_to_share
     assert pair.duration <= pair.opening
-    assert 2 * min(T1, T2) <= pair.duration <= 2 * max(T1, T2)
+    short_round_trip = 2 * min(T1, T2)
+    long_round_trip = 2 * max(T1, T2)
+    assert short_round_trip <= pair.duration <= long_round_trip
 
 
 @given(PAIR, POSITIVE)
 def test_the_impulse_of_a_pair_is_the_integral_of_its_force(rods, V):
+    """The force is summed over the round trips of the short rod."""
     Z1, T1, Z2, T2 = rods
     pair = theory.saint_venant(Z1, T1, Z2, T2, V)
     round_trip = 2 * min(T1, T2)  # of the short rod; over each the force is constant
     trips = math.ceil(pair.duration / round_trip)
     assume(trips <= 10**5)  # each is summed
     # The last round trip may be cut short.
-    edges = np.minimum(round_trip * np.arange(trips + 1), pair.duration)
+    ends_of_trips = round_trip * np.arange(trips + 1)
+    edges = np.minimum(ends_of_trips, pair.duration)
     middles = (edges[1:] + edges[:-1]) / 2
 
     force = theory.saint_venant_force(middles, Z1, T1, Z2, T2, V)
@@ -203,7 +228,8 @@ def test_it_does_not_matter_which_rod_is_on_the_left(rods, V):
     Z1, T1, Z2, T2 = rods
     pair = theory.saint_venant(Z1, T1, Z2, T2, V)
     exchanged = theory.saint_venant(Z2, T2, Z1, T1, V)
-    assert tuple(pair) == pytest.approx(tuple(exchanged), rel=CLOSED_FORM_TOL, abs=0)
+    expected = tuple(exchanged)
+    assert tuple(pair) == pytest.approx(expected, rel=CLOSED_FORM_TOL, abs=0)
 
 
 @pytest.mark.parametrize("Z", [0.1 + 0.2, math.nextafter(0.3, 0)])
@@ -219,7 +245,8 @@ def test_impedances_that_are_equal_but_for_round_off_count_as_equal(Z):
         assert pair.duration == 2 * T1
         assert pair.opening == 2 * T2
     assert rounded.restitution == exact.restitution
-    assert theory.saint_venant_force(2 * T1, Z, T1, 0.3, T2) == 0.0
+    force_after_trip = theory.saint_venant_force(2 * T1, Z, T1, 0.3, T2)
+    assert force_after_trip == 0.0
 
 
 @pytest.mark.parametrize(
@@ -239,14 +266,19 @@ def test_the_closed_form_of_a_mass_on_a_free_rod_keeps_its_balances(ratio, e):
 
     v1 = V - collision.impulse / M
     v2 = collision.impulse / m
-    kinetic_energy = M * v1**2 / 2 + m * v2**2 / 2
+    kinetic_1 = M * v1**2 / 2
+    kinetic_2 = m * v2**2 / 2
+    kinetic_energy = kinetic_1 + kinetic_2
     energy = kinetic_energy + collision.vibration_energy
     times = np.linspace(0, 2 * T, 20001)
-    force = Z * V * np.exp(-Z * times / M)  # until the wave returns from the free end
+    decay = np.exp(-Z * times / M)  # until the wave returns from the free end
+    force = Z * V * decay
     integral = np.trapezoid(force, times)
     assert collision.restitution == pytest.approx(e, abs=5e-7)  # six decimal places
-    assert v2 - v1 == pytest.approx(collision.restitution * V, rel=1e-13)
-    assert energy == pytest.approx(M * V * V / 2, rel=1e-13)
+    parting = v2 - v1
+    energy_before = M * V * V / 2
+    assert parting == pytest.approx(collision.restitution * V, rel=1e-13)
+    assert energy == pytest.approx(energy_before, rel=1e-13)
     assert integral == pytest.approx(collision.impulse, rel=1e-7)
 
 
@@ -263,11 +295,13 @@ def test_a_mass_of_0_is_refused():
 def test_a_jump_keeps_its_power_from_the_first_to_the_last_area_of_a_horn(first, last):
     """The power of a wave is rho c A v^2."""
     gain = theory.horn_amplification(first, last)
-    assert last * gain**2 == pytest.approx(first, rel=1e-15)
+    power_at_end = last * gain**2
+    assert power_at_end == pytest.approx(first, rel=1e-15)
 
 
 def test_horns_make_families():
-    assert theory.horn_amplification([1.0, 4.0], 1.0).tolist() == [1.0, 2.0]
+    gains = theory.horn_amplification([1.0, 4.0], 1.0)
+    assert gains.tolist() == [1.0, 2.0]
 
 
 def slope(function, x, step=1e-3):
@@ -288,10 +322,12 @@ def test_a_wave_of_the_horn_frequency_obeys_the_equation_of_the_horn():
         return math.exp(2 * beta * x)
 
     def u(x, t):
-        return math.exp(-beta * x) * math.cos(k * x - omega * t)
+        amplitude = math.exp(-beta * x)
+        return amplitude * math.cos(k * x - omega * t)
 
     def force(x, t):
-        return area(x) * slope(lambda place: u(place, t), x)
+        strain = slope(lambda place: u(place, t), x)
+        return area(x) * strain
 
     def velocity(x, t):
         return slope(lambda time: u(x, time), t)
@@ -307,15 +343,18 @@ def test_a_wave_of_the_horn_frequency_obeys_the_equation_of_the_horn():
 
 @pytest.mark.parametrize("ratio", [0.01, 0.3, 0.9])
 def test_the_decay_of_a_damped_mode_is_that_of_the_roots(ratio):
-    """Those of p^2 + (eta/E) omega^2 p + omega^2; `ratio` is decay over omega."""
+    """The roots are those of p^2 + (eta/E) omega^2 p + omega^2; `ratio` is decay over
+    omega.
+    """
     E = 3.0
     omega = 7.0
     eta = 2 * E * ratio / omega
-    complex_roots = np.roots([1.0, eta / E * omega**2, omega**2])  # a conjugate pair
+    coefficients = [1.0, eta / E * omega**2, omega**2]
+    root, _ = np.roots(coefficients)  # a conjugate pair
 
     decay = theory.kelvin_voigt_decay(E, eta, omega)
 
-    assert decay == pytest.approx(-complex_roots[0].real, rel=1e-12)
+    assert decay == pytest.approx(-root.real, rel=1e-12)
     assert decay == pytest.approx(ratio * omega, rel=1e-12)
 
 
@@ -328,17 +367,22 @@ def test_a_wave_of_the_rayleigh_love_speed_obeys_its_equation():
 
     omega = k * theory.rayleigh_love_speed(c, nu, kappa, k)
 
-    inertia = omega**2 * (1 + (nu * kappa * k) ** 2)  # of u_tt - nu^2 kappa^2 u_xxtt
-    assert inertia == pytest.approx(c**2 * k**2, rel=1e-14)
+    lateral_inertia = (nu * kappa * k) ** 2
+    inertia = omega**2 * (1 + lateral_inertia)  # of u_tt - nu^2 kappa^2 u_xxtt
+    stiffness = c**2 * k**2
+    assert inertia == pytest.approx(stiffness, rel=1e-14)
 
 
 def test_the_rayleigh_love_speed_depends_on_the_square_of_poissons_ratio():
+    """It is the bar speed for a ratio of 0, and the same for 0.29 and -0.29."""
     c = 5000.0
     kappa = 7e-3
     k = 300.0
     speed = theory.rayleigh_love_speed(c, 0.29, kappa, k)
-    assert theory.rayleigh_love_speed(c, 0.0, kappa, k) == c
-    assert theory.rayleigh_love_speed(c, -0.29, kappa, k) == speed
+    without_contraction = theory.rayleigh_love_speed(c, 0.0, kappa, k)
+    of_negative_ratio = theory.rayleigh_love_speed(c, -0.29, kappa, k)
+    assert without_contraction == c
+    assert of_negative_ratio == speed
 
 
 # Arrays and refusals
@@ -385,7 +429,8 @@ def values_of(result):
 
 def good_arguments(form):
     """Arguments by name, the positive ones 1."""
-    return dict.fromkeys(form.positive.split(), 1.0) | form.others
+    positive_names = form.positive.split()
+    return dict.fromkeys(positive_names, 1.0) | form.others
 
 
 by_form = pytest.mark.parametrize(
@@ -395,10 +440,14 @@ by_form = pytest.mark.parametrize(
 
 @by_form
 def test_forms_take_arrays(form):
+    """A column for one argument and a row for another one give the single number at
+    each place.
+    """
     good = good_arguments(form)
-    first, second, *_ = good
+    first, second, *_ = good  # names of arguments
     with_arrays = dict(good)
-    with_arrays[first] = np.full((2, 1), good[first])  # a column
+    column = np.full((2, 1), good[first])
+    with_arrays[first] = column
     with_arrays[second] = [good[second]] * 3  # a row
 
     numbers = values_of(form.function(**good))
@@ -406,11 +455,13 @@ def test_forms_take_arrays(form):
 
     for number, family in zip(numbers, families, strict=True):
         assert type(number) is float
-        assert np.array_equal(family, np.full((2, 3), number))
+        expected = np.full((2, 3), number)
+        assert np.array_equal(family, expected)
 
 
 @by_form
 def test_forms_refuse_what_is_no_number(form):
+    """The message names the argument, and the index of a wrong element."""
     good = good_arguments(form)
     for name, value in good.items():
         bad_values = [math.nan, math.inf]

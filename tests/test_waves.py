@@ -60,15 +60,14 @@ def pochhammer_chree(x, G, nu):
     """
     dilatation = (1 + nu) * (1 - 2 * nu) / (1 - nu)  # (c0/c1)^2
     shear = 2 * (1 + nu)  # (c0/c2)^2
-    A = np.sqrt(G**2 * (x**2 * dilatation - 1) + 0j)  # 0j: roots of negative numbers
-    B = np.sqrt(G**2 * (x**2 * shear - 1) + 0j)
-    terms = np.array(
-        [
-            2 * A * (B**2 + G**2) * jv(1, A) * jv(1, B),
-            -((B**2 - G**2) ** 2) * jv(0, A) * jv(1, B),
-            -4 * G**2 * A * B * jv(1, A) * jv(0, B),
-        ]
-    )
+    A_squared = G**2 * (x**2 * dilatation - 1)
+    B_squared = G**2 * (x**2 * shear - 1)
+    A = np.sqrt(A_squared + 0j)  # 0j: roots of negative numbers
+    B = np.sqrt(B_squared + 0j)
+    first = 2 * A * (B**2 + G**2) * jv(1, A) * jv(1, B)
+    second = -((B**2 - G**2) ** 2) * jv(0, A) * jv(1, B)
+    third = -4 * G**2 * A * B * jv(1, A) * jv(0, B)
+    terms = np.array([first, second, third])
     largest = np.abs(terms).max()
     if largest == 0:
         return 0.0
@@ -81,6 +80,9 @@ RADII = np.array([0.03, 0.17, 0.3, 0.42, 0.58, 0.77, 1.0, 1.9])
 
 @pytest.mark.parametrize("nu", RATIOS)
 def test_the_first_mode_solves_its_equation_and_nothing_slower_does(nu):
+    """The equation is `pochhammer_chree`, at 50 speeds between that of surface waves
+    and the first mode.
+    """
     slowest = 0.9 * waves.rayleigh_speed(nu)
     speeds = waves.first_mode(RADII, nu)  # over c0
     for radius, speed in zip(RADII, speeds, strict=True):
@@ -102,17 +104,22 @@ def test_the_first_mode_has_the_phase_velocities_of_the_tables(nu, table):
 
 @pytest.mark.parametrize("nu", RATIOS[1:])
 def test_long_waves_of_the_first_mode_are_slower_than_c0_as_rayleigh_says(nu):
-    """They are slower by nu^2 G^2/4 of c0, G the wave number times the radius."""
+    """The phase velocity is less than c0 by nu^2 G^2/4 of it, G the wave number times
+    the radius.
+    """
     G = 1e-3
-    speed = waves.first_mode(G / (2 * math.pi), nu)
-    assert 1 - speed == pytest.approx(nu**2 * G**2 / 4, rel=1e-5)
+    radius_over_wavelength = G / (2 * math.pi)
+    speed = waves.first_mode(radius_over_wavelength, nu)
+    slowness = nu**2 * G**2 / 4
+    assert 1 - speed == pytest.approx(slowness, rel=1e-5)
     assert waves.first_mode(0.0, nu) == 1
 
 
 @pytest.mark.parametrize("nu", RATIOS[1:])
 def test_short_waves_of_the_first_mode_are_those_on_a_surface(nu):
     speed = waves.first_mode(500.0, nu)  # a radius of 500 wavelengths
-    assert speed == pytest.approx(waves.rayleigh_speed(nu), rel=2e-4)
+    surface_speed = waves.rayleigh_speed(nu)
+    assert speed == pytest.approx(surface_speed, rel=2e-4)
 
 
 BAR_SPEED = 5000.0  # m/s
@@ -126,7 +133,7 @@ def bar():
 
 @pytest.fixture(scope="module")
 def frequencies(bar):
-    """From 0 to twice the cut-off frequency of the bar, Hz."""
+    """Frequencies from 0 to twice the cut-off frequency of the bar, Hz."""
     return np.linspace(0.0, 2 * bar.cut_off, 151)
 
 
@@ -137,7 +144,8 @@ def test_wave_numbers_and_phase_velocities_of_a_bar_are_those_of_the_first_mode(
     c = bar.phase_velocity(frequencies)
     radius_over_wavelength = k * bar.radius / (2 * math.pi)
     first_mode = waves.first_mode(radius_over_wavelength, bar.poisson_ratio)
-    np.testing.assert_allclose(k * c, 2 * math.pi * frequencies, rtol=1e-13)
+    omega = 2 * math.pi * frequencies
+    np.testing.assert_allclose(k * c, omega, rtol=1e-13)
     np.testing.assert_allclose(first_mode, c / BAR_SPEED, rtol=1e-11)
     assert k[0] == 0.0
     assert c[0] == BAR_SPEED
@@ -145,14 +153,17 @@ def test_wave_numbers_and_phase_velocities_of_a_bar_are_those_of_the_first_mode(
 
 
 def test_the_group_velocity_is_the_slope_of_the_frequency(bar, frequencies):
+    """It is compared with central differences of omega over the wave number."""
     k = bar.wavenumber(frequencies)
     omega = 2 * math.pi * frequencies
-    central_slope = (omega[2:] - omega[:-2]) / (k[2:] - k[:-2])
+    omega_differences = omega[2:] - omega[:-2]  # over two intervals
+    central_slope = omega_differences / (k[2:] - k[:-2])
 
     group = bar.group_velocity(frequencies)
 
     # The error of the differences is in proportion to the square of the interval: 6e-4.
-    np.testing.assert_allclose(group[1:-1], central_slope, rtol=1e-3)
+    inner = group[1:-1]
+    np.testing.assert_allclose(inner, central_slope, rtol=1e-3)
     assert group[0] == BAR_SPEED
 
 
@@ -162,10 +173,14 @@ def test_delays_of_a_bar_are_those_of_its_phase_velocity(bar, frequencies):
     time_per_metre = 1 / BAR_SPEED
     exact = 1 / bar.phase_velocity(below) - time_per_metre
     delays = bar.delays(below)
-    np.testing.assert_allclose(delays, exact, rtol=0, atol=1e-8 * time_per_metre)
+    error_bound = 1e-8 * time_per_metre
+    np.testing.assert_allclose(delays, exact, rtol=0, atol=error_bound)
 
 
 def test_a_bar_takes_its_numbers_from_a_round_rod_or_segment_or_a_given_radius():
+    """Radius, wave speed and Poisson's ratio are those of the rod, or the radius is the
+    given one.
+    """
     rod = ri.Rod(1.0, diameter=0.02, material=STEEL)
     square = ri.Rod(1.0, area=1e-4, material=STEEL)
 
@@ -175,7 +190,8 @@ def test_a_bar_takes_its_numbers_from_a_round_rod_or_segment_or_a_given_radius()
     assert round_bar.radius == pytest.approx(0.01, rel=1e-14)
     assert round_bar.wave_speed == STEEL.wave_speed
     assert round_bar.poisson_ratio == STEEL.poisson_ratio
-    assert waves.Bar.of(rod.segments[0]) == round_bar
+    bar_of_segment = waves.Bar.of(rod.segments[0])
+    assert bar_of_segment == round_bar
     assert square_bar.radius == 6e-3
 
 
@@ -186,7 +202,9 @@ RADIAL_INERTIA_FACTOR = 2 * 0.81
 
 def lame_constants(nu):
     """Lame's lambda and mu for E = 1."""
-    return nu / ((1 + nu) * (1 - 2 * nu)), 1 / (2 + 2 * nu)
+    lame = nu / ((1 + nu) * (1 - 2 * nu))
+    mu = 1 / (2 + 2 * nu)
+    return lame, mu
 
 
 def mindlin_herrmann_matrices(k, nu):
@@ -197,7 +215,8 @@ def mindlin_herrmann_matrices(k, nu):
     lame, mu = lame_constants(nu)
     coupling = 2 * lame * k
     axial = (lame + 2 * mu) * k * k
-    radial = 4 * (lame + mu) + SHEAR_FACTOR * mu * k * k / 2
+    shear = SHEAR_FACTOR * mu * k * k / 2
+    radial = 4 * (lame + mu) + shear
     stiffness = [[axial, coupling], [coupling, radial]]
     mass = np.diag([1, RADIAL_INERTIA_FACTOR / 2])
     return stiffness, mass
@@ -205,14 +224,18 @@ def mindlin_herrmann_matrices(k, nu):
 
 @pytest.mark.parametrize("nu", [-0.3, 0.0, 0.29, 0.45])
 def test_both_speeds_of_mindlin_and_herrmann_are_roots_of_their_determinant(nu):
-    """That of K - omega^2 M, stiffness and mass: the speeds are omega/k."""
+    """The determinant is that of K - omega^2 M, stiffness and mass; the speeds are
+    omega/k.
+    """
     radii = np.array([1e-3, 0.05, 0.3, 2.0])  # over the wavelength
     slow, fast = waves.mindlin_herrmann(radii, nu)  # over c0
-    for i, k in enumerate(2 * np.pi * radii):
+    wave_numbers = 2 * np.pi * radii
+    for i, k in enumerate(wave_numbers):
         stiffness, mass = mindlin_herrmann_matrices(k, nu)
         omega_squared, _ = eigh(stiffness, mass)  # the lower one first
-        speeds = np.sqrt(omega_squared) / k
-        assert [slow[i], fast[i]] == pytest.approx(speeds, rel=1e-9)
+        expected = np.sqrt(omega_squared) / k
+        speeds = [slow[i], fast[i]]
+        assert speeds == pytest.approx(expected, rel=1e-9)
 
 
 @pytest.mark.parametrize("nu", [-0.3, 0.0, 0.29, 0.45])
@@ -222,23 +245,29 @@ def test_short_waves_of_mindlin_and_herrmann_have_the_speeds_of_their_own_terms(
     axial_speed = np.sqrt(lame + 2 * mu)
     radial_speed = np.sqrt(mu * SHEAR_FACTOR / RADIAL_INERTIA_FACTOR)
     speeds = waves.mindlin_herrmann(1e150, nu)
-    assert list(speeds) == pytest.approx(sorted([axial_speed, radial_speed]), rel=1e-12)
+    expected = sorted([axial_speed, radial_speed])
+    assert list(speeds) == pytest.approx(expected, rel=1e-12)
 
 
 @pytest.mark.parametrize("nu", [-0.3, 0.0, 0.29, 0.45])
 def test_long_waves_of_mindlin_and_herrmann_have_their_first_term_of_dispersion(
     nu,
 ):
+    """The slow speed at a radius of 1e-3 of the wavelength is less than c0 by a term
+    with its square.
+    """
     radius_over_wavelength = 1e-3
     _, mu = lame_constants(nu)
     dispersion = RADIAL_INERTIA_FACTOR - SHEAR_FACTOR * mu
-    expected = 1 - dispersion * (nu * np.pi * radius_over_wavelength) ** 2
+    contraction = nu * np.pi * radius_over_wavelength
+    expected = 1 - dispersion * contraction**2
 
     slow, _ = waves.mindlin_herrmann(radius_over_wavelength, nu)
 
     # The next term of the series is of the order of the fourth power.
     assert slow == pytest.approx(expected, abs=1e-9)
-    assert waves.mindlin_herrmann(0.0, nu) == (1.0, np.inf)
+    of_endless_waves = waves.mindlin_herrmann(0.0, nu)
+    assert of_endless_waves == (1.0, np.inf)
 
 
 def test_slow_waves_of_mindlin_and_herrmann_are_within_a_percent_of_the_first_mode():

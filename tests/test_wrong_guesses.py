@@ -266,7 +266,9 @@ def test_a_wrong_entry_of_a_case_is_answered_by_a_remedy(right, wrong, remedy):
 def test_a_wrong_command_is_answered_by_a_remedy(
     guess, remedy, tmp_path, monkeypatch, capsys
 ):
-    """In a folder with a case and a record; the answer is on standard error."""
+    """The command runs in a folder with a case and a record; the answer is on standard
+    error.
+    """
     monkeypatch.chdir(tmp_path)
     (tmp_path / "case.toml").write_text(UNEQUAL_RODS)
     (tmp_path / "record.csv").write_text("t,force\n0,1\n1,2\n")

@@ -164,6 +164,7 @@ def root_mean_square(values):
 @pytest.mark.exhaustive
 @pytest.mark.parametrize("shape", SHAPES)
 def test_shapes_are_met_within_the_limits_by_the_misfit_that_is_stated(shape):
+    """Areas keep to their limits, and the stated misfit is that of the force of a run."""
     wanted, misfit_percent = SHAPES[shape]
 
     design = designed(wanted, area_ratio=WIDE)
@@ -194,6 +195,7 @@ def test_shapes_are_met_within_the_limits_by_the_misfit_that_is_stated(shape):
 
 
 def test_one_misfit_is_shown_everywhere():
+    """The text and the picture of a design name the same percentage."""
     wanted = SHAPES["trapezoid"].wanted
 
     design = designed(wanted, segments=4)
@@ -205,6 +207,7 @@ def test_one_misfit_is_shown_everywhere():
 
 
 def test_areas_at_a_limit_are_reported_in_the_design_and_in_its_picture():
+    """A wanted force too high for the default limit makes all areas the largest."""
     high = ri.Steps([5 * PEAK, 0.0], [T])
 
     design = designed(high, segments=3)
@@ -232,6 +235,7 @@ def test_wider_limits_bring_the_pulse_nearer():
 
 def test_a_single_segment_has_the_area_of_the_momentum():
     # F = Z Zbar/(Z + Zbar) V for the impedance Z of the striker
+    """A constant force F is made by the impedance Z with F = Z Zbar/(Z + Zbar) V."""
     force = 0.3 * BAR_IMPEDANCE * SPEED
     area = BAR_AREA * 0.3 / 0.7
     wanted = ri.Steps([force, 0.0], [T])

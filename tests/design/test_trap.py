@@ -21,6 +21,7 @@ def second_pulse_trap(material):
 
 @pytest.mark.parametrize("material", [STEEL, ri.materials.aluminium])
 def test_a_trap_has_transit_time_of_the_striker_and_impedance_of_the_bar(material):
+    """The gap before it is the way of the bar's end during the first pulse."""
     design = second_pulse_trap(material)
 
     trap = design.system.bodies[2]
@@ -47,6 +48,7 @@ def assert_at_rest(solution, body, t):
 
 @pytest.mark.parametrize("material", [STEEL, ri.materials.aluminium])
 def test_the_second_pulse_of_a_striker_leaves_with_the_trap(material):
+    """After six transits striker and bar are at rest, and the trap has the momentum."""
     design = second_pulse_trap(material)
     end = 6 / C  # s, six transits of the bar of 1 m
 

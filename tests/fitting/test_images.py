@@ -92,6 +92,9 @@ def test_images_follow_a_theory_of_dispersion_better_than_undispersed_waves():
 
 
 def test_the_first_passage_is_the_propagated_force():
+    """The strain of a fit of first passages is that of the force at the end, propagated
+    to the gauge.
+    """
     solution = ri.solve(shot(poisson_ratio=0.3), until=UNTIL)
     rod = solution.system.bodies[1]
     wave_speed = 5000.0  # m/s, sqrt(2e11/8000)

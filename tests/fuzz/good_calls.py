@@ -94,7 +94,7 @@ def family_result():
 
 
 def varied_lengths():
-    """What varies along the axes of `family_result`."""
+    """The lengths that vary along the axes of `family_result`."""
     axes = family_result().axes
     return tuple(Varied(axis.name, axis.values, "m") for axis in axes)
 

@@ -360,7 +360,9 @@ def impulse_on_endless_bar(force, M, Z, duration):
 
 @pytest.mark.parametrize(("law", "force"), LAWS.values(), ids=LAWS)
 def test_the_impulse_of_a_mass_through_a_law_on_an_endless_bar(law, force):
-    """It is that of `impulse_on_endless_bar`, which integrates the motion of the mass."""
+    """The impulse is that of `impulse_on_endless_bar`, which integrates the motion of
+    the mass.
+    """
     M = 0.5
     Z = 2.0
     gap = 0.0837
@@ -621,6 +623,7 @@ def test_compliant_forces_follow_their_laws(driven):
 
 
 def test_a_rigid_contact_never_has_both_a_force_and_a_gap(driven):
+    """The rigid contact of `driven` has each of them at some of the times in `TIMES`."""
     rigid = driven.contacts[1]
     force = rigid.force(TIMES)
     gap = rigid.gap(TIMES)
@@ -758,6 +761,9 @@ def test_a_gap_of_any_width_closes_on_time(gap):
 
 @pytest.mark.parametrize("until", [1e-12, 0.013, 0.5123, 1.9])
 def test_a_run_ends_where_it_was_asked_to_end(until):
+    """A mass strikes a rod; at `until`, s, its velocity is exp(-until), and the impulse
+    is what it has lost.
+    """
     velocity = math.exp(-until)  # of a mass on a rod, until the wave is back at 2
 
     mass = ri.RigidMass(1.0, velocity=1.0)

@@ -120,7 +120,7 @@ def test_names_used_once_are_those_that_one_function_calls_and_not_several():
 def test_a_change_of_any_file_of_a_kernel_changes_its_digest(
     module, files, monkeypatch
 ):
-    """Those from which it imports constants alone, too."""
+    """Files from which it imports constants alone count, too."""
     read_bytes = Path.read_bytes
 
     def digest_with_longer(file):

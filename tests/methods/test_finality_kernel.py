@@ -33,7 +33,7 @@ def test_ends_that_cannot_approach_are_apart_at_once():
 
 
 def test_a_mean_gap_that_closes_is_never_enough():
-    """Without vibration, or beyond its reach."""
+    """The wait has no end, without vibration and beyond the reach of vibrations."""
     wait_without_vibration = separation_time(
         opening=-0.5,
         least_opening=-1.5,

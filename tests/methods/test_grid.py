@@ -539,6 +539,9 @@ def test_an_overlong_run_is_refused_before_a_warning_of_how_long_it_takes():
 
 
 def test_a_segment_that_is_too_short_is_refused():
+    """A segment of 1e-7 m beside one of 1 m would need too many cells; the message
+    names its path.
+    """
     long_segment = ri.Segment(1.0, area=1.0, material=UNIT)
     short_segment = ri.Segment(1e-7, area=1.0, material=UNIT)
     rod = ri.Rod(segments=[long_segment, short_segment])
@@ -591,6 +594,7 @@ def test_a_run_ends_where_it_was_asked_to_end(until, size):
 @pytest.mark.parametrize("until", [0.0, 1e-300, 1e-12, 0.013])
 @pytest.mark.parametrize("size", SIZES)
 def test_a_run_of_less_than_half_a_step_takes_none_and_says_so(until, size):
+    """All stays as at the start, and the status says why, except for a run of 0 s."""
     solution = solve_row(STRIKER_AND_MASS, until=until, **size)
 
     assert solution.t_end == until
@@ -666,7 +670,7 @@ def test_a_refined_mesh_meets_the_exact_restitution_to_rtol(monkeypatch):
 
 
 def test_what_has_not_converged_says_so_after_the_stated_errors(monkeypatch):
-    """From 20 to 40 cells nothing converges to 1e-9."""
+    """The mesh may grow from 20 to 40 cells, with which nothing converges to 1e-9."""
     pair = [unit_rod(0.7, velocity=1.0), unit_rod(1.1, area=0.5)]
     monkeypatch.setattr(finite_difference, "MIN_LONGEST_CELLS", 20)
     monkeypatch.setattr(finite_difference, "MAX_REFINED_CELLS", 40)
@@ -705,8 +709,8 @@ STATED_ERRORS = {
     ],
 )
 def test_stated_errors_bound_those_of_the_outcome(rods, until):
-    """They are compared with fronts: of velocities by the velocity scale, and of the
-    largest impulse, peak force and duration of all contacts by their largest values.
+    """The errors are those beside fronts: of velocities over the velocity scale, of
+    impulses, peak forces and durations over the largest of them.
     """
     bodies = []
     for length, area, velocity in rods:
@@ -775,6 +779,7 @@ def test_a_number_of_snapshots_is_kept_and_changes_no_outcome(with_all_states):
 
 
 def test_fields_at_times_of_snapshots_are_those_with_all_states(with_all_states):
+    """Velocities and strains are equal bit for bit, and the energy balances there."""
     times = np.array([0.31, 1.234567, 2.9])
     x = np.linspace(0, 1, 23)[:, None]
 
@@ -891,6 +896,7 @@ def test_rods_of_one_cell_collide_and_have_fields():
 
 
 def test_one_cell_between_fixed_ends_does_not_move():
+    """Both nodes of the only cell are held, whatever the velocity at the start."""
     rod = unit_rod(velocity=1.0)
     ends = (ri.Fixed(), ri.Fixed())
 

@@ -188,7 +188,9 @@ def test_newton_solves_a_chain_of_stiff_links_in_few_sweeps(monkeypatch):
 
 
 def test_no_newton_step_follows_the_last_sweep_of_a_chain(monkeypatch):
-    """With a single sweep the forces stay those that it has left."""
+    """With a single sweep the forces stay those that the sweep has left, and the chain
+    counts as not solved.
+    """
     links = chain_of_links()
     sweep = contacts.gauss_seidel_sweep
     forces_of_sweeps = []  # of all links, after each sweep
@@ -538,8 +540,8 @@ def random_far_end(seed):
 @pytest.mark.parametrize("mirrored", [False, True])
 @pytest.mark.parametrize("seed", few_of(range(12), range(3)))
 def test_an_end_is_where_the_proof_says_and_stays_within_its_bound(seed, mirrored):
-    """It moves with the centre of mass of its group, or with the end that holds it, and
-    deviates by the sum of the strains between.
+    """The end moves with the centre of mass of its group, or with the end that holds
+    it, and deviates by the sum of the strains between.
     """
     system, rod = random_far_end(seed)
     body = system.bodies.index(rod)

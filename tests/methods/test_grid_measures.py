@@ -69,6 +69,7 @@ PARABOLAS = {  # gaps over time, of an indentation that ends at 2.7
 
 @pytest.mark.parametrize("parabola", PARABOLAS.values(), ids=PARABOLAS)
 def test_an_indentation_ends_where_its_parabola_does(parabola):
+    """The gap is a parabola of time with a zero at 2.7, and the force has ended before."""
     gap = parabola(np.arange(6.0))
 
     force = [1, 1, 1, 0, 0]
@@ -81,7 +82,9 @@ def test_an_indentation_ends_where_its_parabola_does(parabola):
 
 @pytest.mark.parametrize("parabola", PARABOLAS.values(), ids=PARABOLAS)
 def test_an_indentation_of_a_single_step_ends_on_a_line(parabola):
-    """There are too few gaps for a parabola."""
+    """There are too few gaps for a parabola, so the gap of the line through two of them
+    counts.
+    """
     gap = parabola(np.arange(6.0))
     slope = gap[3] - gap[2]  # of the line through the gaps at 2 and 3
     zero_of_line = 2 - gap[2] / slope
@@ -115,6 +118,7 @@ def test_a_dashpot_lets_go_inside_a_step_while_there_is_an_indentation(end):
 
 
 def test_a_force_begins_and_ends_where_lines_of_the_gap_are_0():
+    """The lines go through the two gaps before the force and the two after it."""
     force = [0, 0, 5, 8, 0]
     gap = [0.9, 0.7, 0.1, -0.1, 0.3, 0.5]
 

@@ -68,6 +68,9 @@ def test_the_stable_step_is_that_of_the_fastest_motion_and_gives_the_cells(count
 
 
 def test_the_stable_step_is_none_too_long_where_sections_and_theories_differ():
+    """The shortest step of four unlike segments is at most that of their whole
+    matrices, and 90 % of it at least.
+    """
     section = {"polar_moment": "circular", "lateral_inertia": THEORY}
     taper = ri.Samples([0.02, 0.004])  # areas, m^2
     cone = ri.Segment(0.5, area=taper, material=UNIT, **section)
@@ -165,7 +168,9 @@ SPEED_OF_LOWEST_MODE = float(ri.waves.mindlin_herrmann(0.05, 0.3)[0])
     ],
 )
 def test_the_mode_that_lasts_longest_is_the_lowest_of_the_rod(segments, omega, share):
-    """By its angular frequency and by the rate at which it decays."""
+    """`lasting_mode` gives its angular frequency and the rate at which it decays;
+    `share` is the part of its strain energy that is damped.
+    """
     decay_if_all_damps = ri.theory.kelvin_voigt_decay(1.0, 1e-3, omega)
 
     frequency, rate = lasting_mode(segments)

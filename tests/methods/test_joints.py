@@ -207,8 +207,8 @@ DASHPOTS = [ri.Joint(0.0, damping=0.05), ri.Joint(0.0, damping=0.3)]
 def test_an_end_beyond_joints_is_where_the_proof_says_and_stays_within_its_bound(
     bodies, joints
 ):
-    """Far from all else it moves with the centre of mass, and deviates by strains and
-    stretches. By how much a dashpot gives way is bounded, but not stated.
+    """Far from all else the end moves with the centre of mass, and deviates by strains
+    and stretches. By how much a dashpot gives way is bounded, but not stated.
     """
     laws = [*joints, ri.Rigid()]
     far_rod = unit_rod()

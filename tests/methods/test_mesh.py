@@ -45,7 +45,7 @@ def test_cells_that_hardly_move_are_refused_unless_they_are_few(segment, field):
 
 
 def test_the_mesh_is_chosen_whose_courant_numbers_are_nearest_to_1():
-    """Of those with 100 to 199 cells in the longest rod."""
+    """It is chosen among those with 100 to 199 cells in the longest of three rods."""
     lengths = [1.0, 0.75, math.sqrt(0.5)]  # and transit times
     rods = [unit_rod(length) for length in lengths]
     row = build_row(ri.System(rods))
@@ -60,7 +60,7 @@ def test_the_mesh_is_chosen_whose_courant_numbers_are_nearest_to_1():
 
 
 def test_the_shortest_rod_has_8_cells_at_least():
-    """Of a hundred cells in the longest rod it would have two."""
+    """With a hundred cells in the longest rod it would have two."""
     system = ri.System([unit_rod(), unit_rod(0.02)])
     row = build_row(system)
 

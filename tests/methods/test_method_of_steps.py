@@ -178,6 +178,10 @@ def test_no_force_acts_before_a_wave_can_arrive(first, exponent, stiffness):
 
 
 def test_a_drive_that_starts_late_and_softly_moves_nothing_before():
+    """A push starts at 1 s like a power of time. The contact behind the first rod
+    begins half a second later, and the middle of the rod does not move before the wave
+    is there.
+    """
     start = 1.0  # s
     to_contact = 0.5  # transit time of the first rod
     times = np.linspace(0.0, 3.0, 301)
@@ -262,6 +266,9 @@ def test_no_contact_pulls_and_impulses_are_those_of_forces_and_of_momenta(row):
 
 @pytest.mark.parametrize("exponent", [1.5, 4.0])
 def test_the_end_of_a_rod_is_never_in_tension_where_it_touches(exponent):
+    """The axial force at a contact of touching rods is at most round-off of the peak
+    force.
+    """
     law = ri.PowerLaw(0.6, exponent=exponent)
     system = touching_rods(law, law)
 
@@ -323,6 +330,9 @@ def test_a_state_carries_the_stated_error_of_its_run_on(solved):
 
 
 def test_a_state_is_written_and_read_again_and_mirrored_twice_itself(solved):
+    """A state in the middle of a run comes back equal from the text of a case, and from
+    its mirror image.
+    """
     state = solved.system_at(1.0)
 
     text = ri.format_case(state)

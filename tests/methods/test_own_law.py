@@ -52,6 +52,7 @@ def rows_with(law):
 
 @pytest.mark.parametrize("name", few_of(LAWS, {"dashpot"}))
 def test_outcomes_of_a_law_of_ones_own_are_those_of_the_law_that_it_repeats(name):
+    """Velocities, impulses, peak forces and losses of three rows agree."""
     function, law = LAWS[name]
     own_rows = rows_with(ri.Law(function))
     pairs = zip(own_rows, rows_with(law), strict=True)
@@ -82,7 +83,7 @@ def test_energy_that_is_stored_is_the_integral_of_the_force():
 
 
 def test_a_contact_does_not_pull_where_the_force_is_negative():
-    """It is so while the overlap goes back fast."""
+    """The function of this dashpot is negative while the overlap goes back fast."""
     law = ri.Law(lambda d, rate: 1e8 * d + 5e3 * rate)
 
     solution = ri.solve(pair(law))
@@ -160,6 +161,9 @@ def test_compiled_and_plain_kernels_call_the_function_of_a_link(own_laws):
 
 @pytest.mark.exhaustive
 def test_functions_that_numba_has_compiled_run_the_same_compiled(own_laws):
+    """Velocities of a row with both laws are equal bit for bit in plain Python and in
+    machine code.
+    """
     mass = ri.RigidMass(0.1, velocity=1.0)
     laws = [ri.Law(function) for _, function in own_laws]
     last_mass = ri.RigidMass(0.2)

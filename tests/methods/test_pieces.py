@@ -74,6 +74,7 @@ def test_integrals_are_exact_to_the_degree_of_radau(degree):
 
 
 def test_the_truncation_estimate_is_the_size_of_the_last_two_coefficients():
+    """Its size is the sum of their absolute values, for random coefficients."""
     c = random_series(5)
     values = values_at_points(c)
     last = abs(c[-1])
@@ -87,7 +88,7 @@ def test_the_truncation_estimate_is_the_size_of_the_last_two_coefficients():
 
 @pytest.mark.parametrize("seed", range(20))
 def test_the_smallest_value_of_a_series_is_found(seed):
-    """Among 100,001 values of the series, whose smallest is within 1e-6 of it."""
+    """It is compared with the smallest of 100,001 values of the series."""
     c = random_series(seed)
     c[0] = 0.0
     places = np.linspace(-1, 1, 100_001)
@@ -127,7 +128,7 @@ def test_a_part_of_a_piece_is_the_same_polynomial(y):
 
 @pytest.mark.parametrize("root", [-0.999, -0.2, 0.6180339887498949, 1.0])
 def test_the_first_zero_from_the_left_is_found_to_round_off(root):
-    """Of the parabola (x - root)(x - 3), which is positive on the left."""
+    """The function is the parabola (x - root)(x - 3), which is positive on the left."""
     powers = np.polynomial.polynomial.polyfromroots([root, 3.0])
     c = np.zeros(POINTS)
     c[:3] = chebyshev.poly2cheb(powers)
@@ -139,7 +140,9 @@ def test_the_first_zero_from_the_left_is_found_to_round_off(root):
 
 @pytest.mark.parametrize("seed", range(8))
 def test_the_maximum_is_missed_by_no_more_than_it_says(seed):
-    """It is at an end, or where the derivative is 0; the miss is stated, and small."""
+    """The largest value of a random series is at an end, or where the derivative is 0;
+    the miss is stated, and small.
+    """
     decay = 0.2 ** np.arange(POINTS)  # of coefficients, as pieces are smooth
     c = random_series(seed) * decay
     values = values_at_points(c)
@@ -196,7 +199,7 @@ def test_the_error_of_a_polynomial_is_estimated_where_it_is(fall, seed):
 
 @pytest.mark.parametrize(("n", "band"), [(8, 24), (24, 8), (40, 3), (5, 1)])
 def test_elimination_solves_banded_equations_as_numpy_does(n, band):
-    """Of n unknowns; coefficients `band` or more off the diagonal are 0."""
+    """There are n unknowns; coefficients `band` or more off the diagonal are 0."""
     rng = default_rng(n)
     numbers = np.arange(n)
     off_diagonal = np.abs(numbers[:, None] - numbers)
@@ -213,7 +216,9 @@ def test_elimination_solves_banded_equations_as_numpy_does(n, band):
 
 
 def test_what_is_flattened_becomes_the_nearest_parabola():
-    """Here the exponential function; a parabola stands for dense breaks."""
+    """The exponential function becomes its parabola by Legendre's series; so a parabola
+    stands for dense breaks.
+    """
     exponential = np.exp(X)
     values = exponential.tolist()
 
@@ -314,6 +319,7 @@ def test_what_left_arrives_a_delay_later(tick, ticks):
 
 
 def test_breaks_of_a_line_come_in_their_order():
+    """After each tick the next of `BREAKS` is found, or the given end."""
     line, log = line_of_pieces()
 
     def next_break(tick, end):
@@ -330,6 +336,9 @@ def test_breaks_of_a_line_come_in_their_order():
 
 
 def test_breaks_that_have_passed_are_left_behind():
+    """As a line is read on, the piece that is read and the number of breaks behind it
+    change at each of `BREAKS`.
+    """
     line, log = line_of_pieces()
 
     def read_and_unread(tick):
@@ -415,6 +424,7 @@ def test_what_is_constant_stays_one_piece():
 
 
 def test_another_constant_is_another_piece():
+    """A constant other than that of the piece before adds a piece of degree 0."""
     run, line, log = line_of(CONSTANT_PIECE)
 
     new_piece = append_constant(3.0, run, line, log)
@@ -441,7 +451,8 @@ def test_another_constant_is_another_piece():
 def test_a_break_is_hard_where_what_jumps_is_above_tolerance(
     jump, slope, bend, order, sent
 ):
-    """By theory the break has the `order`; by what jumps it is `sent` with another.
+    """The theory gives a break this `order`; it is `sent` with another one by what
+    jumps.
 
     Slope and bend are over the shortest transit, 1000 ticks. The piece before lasts so
     long, the one after 500 ticks.

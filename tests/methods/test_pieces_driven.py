@@ -98,6 +98,10 @@ USUAL = [case for case in CASES if case[0] == "steps" or case[2] is ri.Absorbing
 
 @pytest.mark.parametrize("case", few_of(CASES, USUAL))
 def test_a_driven_rod_moves_as_dalembert_says(case):
+    """Velocities and strains at 200 random places and times are those of `wave_sent`
+    and its echo. `case` holds the names of a profile, of the driven end and of the far
+    end.
+    """
     name, kind, far = case
     profile = PROFILES[name]
     Z = 2.0

@@ -123,6 +123,7 @@ def test_a_mass_on_a_dashpot_deviates_within_its_bound(damping):
 @pytest.mark.parametrize("seed", few_of(range(12), range(2)))
 @pytest.mark.parametrize("law", [ri.Hertz(20.0), ri.SpringDashpot(20.0, damping=0.5)])
 def test_a_run_three_times_as_long_as_a_final_one_has_the_same_contacts(seed, law):
+    """Two rods and a mass between them collide through a law and a spring."""
     rng = default_rng(seed)
     left = stepped_rod(rng, velocity=1.0, n=1)
     mass = ri.RigidMass(0.5)
@@ -143,7 +144,7 @@ def test_a_run_three_times_as_long_as_a_final_one_has_the_same_contacts(seed, la
 
 
 def test_the_energy_about_the_mean_is_that_of_the_ledger():
-    """Of a group of one rod it is the energy of vibration."""
+    """In a group of one rod the reference energy is the energy of vibration."""
     rng = default_rng(3)
     rod = stepped_rod(rng, velocity=0.4)
     system = ri.System([rod])

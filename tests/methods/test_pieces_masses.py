@@ -293,6 +293,9 @@ STRIKER = ri.RigidMass(1.0, velocity=1.0)
 def test_the_stated_error_of_a_duration_after_a_long_flight_bounds_the_true_one(
     gap, stiffness
 ):
+    """A mass flies over the gap, m, to a wall; the true duration is that of
+    `duration_and_peak_force`.
+    """
     law = ri.Hertz(stiffness)
     system = ri.System([STRIKER, ri.Wall()], gaps=[gap], contacts=[law])
     exact, _ = duration_and_peak_force(mass=1.0, velocity=1.0, law=law)

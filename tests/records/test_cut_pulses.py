@@ -91,6 +91,7 @@ def reduced(pulses, **options):
 
 @pytest.mark.parametrize("rest", few_of([30e-6, 1e-6], [1e-6]))
 def test_cut_pulses_with_the_times_of_the_records_give_stress_and_strain(shot, rest):
+    """Both are right to 1 %, with `rest` s before each pulse."""
     pulses = ri.CutPulses(*cut_pulses(shot, rest))
     result = reduced(pulses)
     stress_error, strain_error = errors_over_time(shot, result)
@@ -149,6 +150,9 @@ def test_cut_pulses_that_begin_together_are_refused_if_it_is_not_said(shot):
 
 
 def test_gauges_with_a_gain_and_opposite_sides_are_cut_too(shot):
+    """The transmitted pulse in volts of two opposite gauges, with bending of a tenth,
+    gives the same stress.
+    """
     incident, reflected, transmitted = cut_pulses(shot)
     gain = 5.0
     volts = transmitted.signal / gain

@@ -254,7 +254,7 @@ def test_mistakes_of_equal_forces_are_named(shot, change, path, says):
 
 
 def arguments_of_equal_forces(shot):
-    """Arguments with which `reduce` works."""
+    """Arguments with which `reduce` assumes equal forces, as a dict."""
     return {
         "input_gauges": shot.gauge(INPUT_BAR, 0.5),
         "output_gauges": shot.gauge(OUTPUT_BAR, 0.5),

@@ -377,7 +377,8 @@ def peak_of(call):
 def test_memory_is_bounded_by_four_times_the_file(
     tmp_path, monkeypatch, digits, wrong_end
 ):
-    """Also where numbers are short, and where the end of the last line is wrong.
+    """Reading takes no more, also where numbers are short, and where the end of the
+    last line is wrong.
 
     Blocks are as small beside this file as usual ones are beside a large file.
     """

@@ -521,7 +521,9 @@ def test_an_alignment_keeps_to_the_limit_of_its_search(shot):
 
 
 def test_a_shift_by_one_sample_changes_the_elastic_stress_most(shot):
-    """At a strain of 0.5 % by more than half of its largest change in plastic flow."""
+    """At a strain of 0.5 % it changes the stress by more than half of its largest
+    change in plastic flow.
+    """
     late = late_output_gauge(shot)
 
     first = shot.gauge(0.381)
@@ -557,7 +559,9 @@ def reduced_incompressible(shot):
 
 
 def test_only_a_specimen_that_keeps_its_volume_has_a_true_stress(shot):
-    """Its area grows as its length shrinks, by exp(true strain)."""
+    """The area of an incompressible specimen grows as its length shrinks, by exp(true
+    strain); without that property the true stress is refused.
+    """
     result = reduced_incompressible(shot)
     of_unknown_volume = reduced(shot)
     shrinkage = np.exp(-result.true_strain)
@@ -568,6 +572,9 @@ def test_only_a_specimen_that_keeps_its_volume_has_a_true_stress(shot):
 
 
 def test_a_table_of_a_reduction_has_units_and_all_digits(shot, tmp_path):
+    """The stress is read back bit for bit, with its unit; a true stress that is not
+    known has no column.
+    """
     path = tmp_path / "shot.csv"
     result = reduced(shot)
 
@@ -818,6 +825,9 @@ def test_bars_that_reflect_as_they_should_raise_no_doubt():
 
 
 def test_bars_of_unlike_impedance_are_calibrated_and_their_reflection_is_expected():
+    """Gains of a solved shot without a specimen are 1; the reflection is that of the
+    two areas.
+    """
     metal = ri.Material("metal", youngs_modulus=2e11, density=8000)
     striker = ri.Rod(0.3, area=1e-4, material=metal, velocity=10.0)
     bar = ri.Rod(1.5, area=1e-4, material=metal)
@@ -977,6 +987,7 @@ def test_a_weak_gauge_beside_its_opposite_is_doubted(shot, case):
 
 
 def test_bending_of_a_tenth_is_not_doubted(shot):
+    """Two opposite gauges record 1.1 and 0.9 of the strain."""
     whole = shot.gauge(0.381).signal
     more = 1.1 * whole
     less = 0.9 * whole
@@ -999,6 +1010,9 @@ def test_bending_of_a_tenth_is_not_doubted(shot):
 def test_gauges_at_two_distances_with_unlike_gains_are_doubted(
     shot, long_shot, gain, percent
 ):
+    """One of two gauges of the input bar, and of the output bar, has a wrong `gain`: a
+    doubt says by what `percent` they differ.
+    """
     far = long_shot.gauge(0.381)
     near_off = long_shot.gauge(0.231).replace(gain=gain)
     output = long_shot.output_gauge()
@@ -1035,7 +1049,7 @@ def test_a_wrong_distance_of_the_input_gauge_is_doubted_by_both_other_waves(shot
 
 
 def test_a_wrong_distance_of_the_output_gauge_is_doubted_by_the_transmitted_wave(shot):
-    """It says that the wave should have come sooner, or later."""
+    """The doubt says that the wave should have come sooner, or later."""
     first = shot.gauge(0.381)
     second = shot.output_gauge()
     too_near = second.replace(distance=0.2)
@@ -1050,7 +1064,9 @@ def test_a_wrong_distance_of_the_output_gauge_is_doubted_by_the_transmitted_wave
 
 
 def test_a_wrong_distance_of_one_of_two_gauges_is_doubted_by_the_way_between(long_shot):
-    """They are 150 mm apart; the distances say 381 - 300 = 81 mm."""
+    """Two gauges of the input bar are 150 mm apart; by their distances it would be 381
+    - 300 = 81 mm.
+    """
     near = long_shot.gauge(0.231)
     wrong = near.replace(distance=0.3)
     right = long_shot.gauge(0.381)
@@ -1101,6 +1117,9 @@ def test_a_specimen_in_millimetres_given_as_metres_is_doubted(specimen, message_
 
 
 def test_a_single_wrong_sample_above_the_pulse_is_named_with_its_time():
+    """A sample of three times the largest strain, after the pulse, makes the reduction
+    refuse the record.
+    """
     input_gauge, output_gauge = measured_gauges()
     strain = output_gauge.signal
     values = strain.values.copy()
@@ -1127,6 +1146,7 @@ def test_one_reversed_gauge_is_told_from_a_reversed_sign():
 
 
 def test_a_constant_imbalance_points_to_gains_and_distances():
+    """The output gauge has a gain that is wrong by 15 %."""
     input_gauge, output_gauge = measured_gauges()
     wrong_gain = output_gauge.replace(gain=1.15)
 

@@ -180,6 +180,7 @@ def test_rounded_times_are_told_once_and_replaced_by_uniform_ones(tmp_path, dt):
 
 
 def test_missing_and_doubled_samples_are_not_taken_for_rounding(tmp_path):
+    """A table whose times leave out a sample, or repeat one, is refused."""
     path = tmp_path / "shot.csv"
     for step, message in [(2.0, "samples are missing"), (0.0, "times must increase")]:
         steps = np.ones(200)

@@ -144,6 +144,9 @@ def test_the_width_of_a_pulse_is_found_in_noise():
 
 @pytest.mark.parametrize("seed", few_of(range(200), range(12)))
 def test_a_shift_is_found_wherever_a_window_lies_or_ends_at_its_limit(seed):
+    """A window of a random record is fitted to the record shifted by `delay`: the delay
+    is found, or the bound is noted if the bounds leave it out.
+    """
     rng = default_rng(seed)
     gaps = rng.uniform(2e-6, 2e-5, 40)
     heights = rng.uniform(-1, 1, 40)
@@ -166,6 +169,7 @@ def test_a_shift_is_found_wherever_a_window_lies_or_ends_at_its_limit(seed):
 
 
 def test_a_free_misfit_finds_shift_and_scale_in_any_unit():
+    """The model is the record times 0.4, 33.33 us earlier."""
     record = trapezoid(unit="V")
     model = (0.4 * record).shifted(-33.33e-6)
 
@@ -180,6 +184,7 @@ def test_a_free_misfit_finds_shift_and_scale_in_any_unit():
 
 
 def test_a_bounded_misfit_ends_at_the_bounds_next_to_shift_and_scale():
+    """The true shift, 33.33 us, and scale, 2.5, lie outside of the bounds."""
     record = trapezoid(unit="V")
     model = (0.4 * record).shifted(-33.33e-6)
 
@@ -191,6 +196,7 @@ def test_a_bounded_misfit_ends_at_the_bounds_next_to_shift_and_scale():
 
 
 def test_a_misfit_with_known_shift_and_scale_is_the_rms_over_the_peak():
+    """The model is 10 % smaller than the record, so the difference is a tenth of it."""
     record = trapezoid(unit="V")
 
     weaker = record * 0.9
@@ -245,6 +251,9 @@ def test_a_first_order_low_pass_of_a_ramp_is_exact():
 
 
 def test_a_gauge_averages_along_its_length():
+    """A gauge of 10 mm, over which waves take 2 us, leaves a straight rise as it is and
+    rounds its corner.
+    """
     pulse = trapezoid()
     averaging_time = 0.01 / 5000.0  # s, 2 us
 
@@ -277,6 +286,9 @@ def test_an_amplifier_filters_scales_and_adds_an_offset():
 
 
 def test_each_vibration_propagates_at_its_own_speed_up_to_the_end_of_the_mode():
+    """The phase of a burst is turned by its wave number times the distance; beyond the
+    first mode, at 262 kHz, nothing arrives.
+    """
     distance = 0.7
     for frequency in (20e3, 120e3, 240e3):
         burst = tone(frequency)
@@ -336,6 +348,9 @@ def test_a_pulse_keeps_its_shape_without_dispersion():
 
 
 def test_a_rod_is_a_bar_if_it_is_round_or_a_radius_is_given():
+    """A pulse propagated along a round rod is that along its `Bar`, and that along
+    another rod with this radius.
+    """
     steel = ri.materials.steel
     rod = ri.Rod(1.0, diameter=0.02, material=steel)
     bar = ri.waves.Bar.of(rod)

@@ -163,7 +163,7 @@ def reduce_cut_pulses(on_input, on_output):
 def test_stress_and_strain_are_within_1_percent_from_1_percent_of_strain_on(
     arrangement,
 ):
-    """Without noise, at each single strain."""
+    """Records have no noise; each single strain is compared."""
     result = reduced(arrangement, noise=1e-9)
 
     strain = result.shot.strain(result.reduction.times)

@@ -115,6 +115,9 @@ def test_a_modulus_that_contradicts_the_echo_is_doubted(shot, factor):
 
 
 def test_an_alignment_states_its_limit_and_the_balance_over_all_loading(shot):
+    """The text tells by how much waves may be moved, and which way the reflected one
+    was.
+    """
     elastic = SPECIMEN.replace(youngs_modulus=6e9)
     result = reduced(shot, specimen=elastic, align_within=3e-6)
     text = str(result)
