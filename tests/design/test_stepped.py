@@ -234,7 +234,6 @@ def test_wider_limits_bring_the_pulse_nearer():
 
 
 def test_a_single_segment_has_the_area_of_the_momentum():
-    # F = Z Zbar/(Z + Zbar) V for the impedance Z of the striker
     """A constant force F is made by the impedance Z with F = Z Zbar/(Z + Zbar) V."""
     force = 0.3 * BAR_IMPEDANCE * SPEED
     area = BAR_AREA * 0.3 / 0.7

@@ -92,8 +92,8 @@ def test_images_follow_a_theory_of_dispersion_better_than_undispersed_waves():
 
 
 def test_the_first_passage_is_the_propagated_force():
-    """The strain of a fit of first passages is that of the force at the end, propagated
-    to the gauge.
+    """Until the wave is back, the strain by images is that of the force on the end of
+    the rod, propagated to the gauge.
     """
     solution = ri.solve(shot(poisson_ratio=0.3), until=UNTIL)
     rod = solution.system.bodies[1]
