@@ -26,29 +26,30 @@ def metal(poisson_ratio):
 
 
 def shot(poisson_ratio, end_stiffness=3e9, **theory):
-    """A striker with round ends, an input bar, a specimen that yields, an output
-    bar.
+    """System of a striker with round ends, an input bar, a specimen that yields, and an
+    output bar; it is not solved. `theory` holds other arguments of each rod.
     """
     rods = []
-    for length, velocity in ((0.2, STRIKER_VELOCITY), (1.0, 0.0), (1.0, 0.0)):
-        rods.append(
-            ri.Rod(
-                length,
-                diameter=DIAMETER,
-                material=metal(poisson_ratio),
-                velocity=velocity,
-                **theory,
-            )
+    for length, velocity in [(0.2, STRIKER_VELOCITY), (1.0, 0.0), (1.0, 0.0)]:
+        rod = ri.Rod(
+            length,
+            diameter=DIAMETER,
+            material=metal(poisson_ratio),
+            velocity=velocity,
+            **theory,
         )
+        rods.append(rod)
+    round_ends = ri.Hertz(end_stiffness)
     specimen = ri.Yielding(stiffness=2e8, yield_force=1e4, hardening=1e7)
-    return ri.System(rods, contacts=[ri.Hertz(end_stiffness), specimen])
+    return ri.System(rods, contacts=[round_ends, specimen])
 
 
 def strain_by_images(solution, body):
     """Strain `TO_GAUGE` from the left end of a body as a fit computes it, a Signal."""
     # A fit asks the record where its strain is; the values of the record do not matter.
     any_values = ri.Signal(np.ones(4), dt=INTERVAL)
-    record = ri.Measured(any_values, (body, 0.0), distance=TO_GAUGE, passages="all")
+    left_end = (body, 0.0)
+    record = ri.Measured(any_values, left_end, distance=TO_GAUGE, passages="all")
     return record.place.strain(solution, INTERVAL)
 
 
@@ -57,13 +58,18 @@ def relative_difference(signal, reference):
     one.
     """
     difference = signal.values - reference.values
-    return np.sqrt(np.mean(difference**2)) / np.abs(reference.values).max()
+    rms = np.sqrt(np.mean(difference**2))
+    peak = np.abs(reference.values).max()
+    return rms / peak
 
 
 @pytest.mark.parametrize("body", [1, 2])
 def test_without_dispersion_images_are_the_waves_of_characteristics(body):
-    solution = ri.solve(shot(poisson_ratio=0.0), until=UNTIL)
-    strain = solution.gauge(body, TO_GAUGE).signal(INTERVAL)
+    """The strain is compared with that of a gauge of the run, over 1 ms."""
+    row = shot(poisson_ratio=0.0)
+    solution = ri.solve(row, until=UNTIL)
+    gauge = solution.gauge(body, TO_GAUGE)
+    strain = gauge.signal(INTERVAL)
 
     images = strain_by_images(solution, body)
 
@@ -77,10 +83,10 @@ def test_images_follow_a_theory_of_dispersion_better_than_undispersed_waves():
     dispersive = shot(poisson_ratio=0.3, end_stiffness=3e10, **theory)
     on_grid = ri.solve(dispersive, until=UNTIL, method="finite-difference", cells=700)
     strain = on_grid.gauge(1, TO_GAUGE).signal(INTERVAL)
-    by_characteristics = ri.solve(
-        shot(poisson_ratio=0.3, end_stiffness=3e10), until=UNTIL
-    )
-    undispersed = by_characteristics.gauge(1, TO_GAUGE).signal(INTERVAL)
+    without_theory = shot(poisson_ratio=0.3, end_stiffness=3e10)
+    by_characteristics = ri.solve(without_theory, until=UNTIL)
+    gauge = by_characteristics.gauge(1, TO_GAUGE)
+    undispersed = gauge.signal(INTERVAL)
 
     images = strain_by_images(on_grid, body=1)
 
@@ -95,19 +101,23 @@ def test_the_first_passage_is_the_propagated_force():
     """Until the wave is back, the strain by images is that of the force on the end of
     the rod, propagated to the gauge.
     """
-    solution = ri.solve(shot(poisson_ratio=0.3), until=UNTIL)
+    row = shot(poisson_ratio=0.3)
+    solution = ri.solve(row, until=UNTIL)
     rod = solution.system.bodies[1]
     wave_speed = 5000.0  # m/s, sqrt(2e11/8000)
     times = np.arange(0.0, 3e-4, INTERVAL)
     stiffness = 2e11 * np.pi * DIAMETER**2 / 4  # E A, N
-    sent = ri.Signal(-solution.contacts[0].force(times) / stiffness, times)
-    passing = sent.extended(1e-4, 1e-4).propagated(TO_GAUGE, rod)
+    force = solution.contacts[0].force(times)
+    sent = ri.Signal(-force / stiffness, times)
+    longer = sent.extended(1e-4, 1e-4)
+    passing = longer.propagated(TO_GAUGE, rod)
 
     images = strain_by_images(solution, body=1)
 
     # The wave is back at the gauge after 0.3 m and twice the other 0.7 m: 1.7 m.
     before_return = images.window(0.0, 1.65 / wave_speed)
-    difference = before_return.values - passing.at(before_return.times)
+    expected = passing.at(before_return.times)
+    difference = before_return.values - expected
     assert np.abs(difference).max() < 2e-6
 
 
@@ -116,7 +126,8 @@ def test_a_fit_of_all_passages_finds_the_velocity_and_one_of_the_first_misfits()
     """The record holds three passages of the wave past the gauge."""
     true_row = shot(poisson_ratio=0.3)
     solution = ri.solve(true_row, until=UNTIL)
-    record = strain_by_images(solution, body=1).window(0.0, 6e-4)
+    strain = strain_by_images(solution, body=1)
+    record = strain.window(0.0, 6e-4)
     vary = {"bodies.0.velocity": (5.0, 20.0)}
     known = {"gauge": (1, 0.0), "distance": TO_GAUGE, "shift": 0.0, "gain": 1.0}
     misfits = {}
@@ -134,7 +145,8 @@ def test_a_fit_of_all_passages_finds_the_velocity_and_one_of_the_first_misfits()
 
 
 def test_a_rod_whose_end_is_held_has_no_images():
-    held = ri.System(shot(poisson_ratio=0.3).bodies[:2], ends=[ri.Free(), ri.Fixed()])
+    striker, bar, _ = shot(poisson_ratio=0.3).bodies
+    held = ri.System([striker, bar], ends=[ri.Free(), ri.Fixed()])
     solution = ri.solve(held, until=UNTIL)
 
     with pytest.raises(ri.InvalidModel, match=r"ends\.1: must be free, or touch"):
@@ -142,5 +154,6 @@ def test_a_rod_whose_end_is_held_has_no_images():
 
 
 def test_passages_other_than_first_and_all_are_refused():
+    signal = ri.Signal(np.ones(4), dt=1e-6)
     with pytest.raises(ri.InvalidModel, match="passages: must be one of"):
-        ri.Measured(ri.Signal(np.ones(4), dt=1e-6), (1, 0.0), passages="both")
+        ri.Measured(signal, (1, 0.0), passages="both")

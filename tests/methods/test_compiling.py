@@ -153,24 +153,29 @@ def test_records_become_objects_and_objects_records(record):
     size = 3 * record.itemsize
     filled = default_rng(1).integers(0, 64, size, np.uint8)
     records = filled.view(record)
-    read_back = record_lists.as_records(record_lists.as_objects(records), record)
+    objects = record_lists.as_objects(records)
+    read_back = record_lists.as_records(objects, record)
     for name in record.names:
         assert np.array_equal(read_back[name], records[name])
-    assert len(record_lists.as_records([], record)) == 0
+    of_nothing = record_lists.as_records([], record)
+    assert len(of_nothing) == 0
 
 
 def test_lengthened_lists_of_records_or_objects_begin_with_what_there_was():
+    """Five records, and five objects, are lengthened."""
     pieces = np.ones(5, PIECE)
     pieces["start"] = np.arange(5)
     longer = record_lists.lengthened(pieces, PIECE)
     assert len(longer) > 5
     assert np.array_equal(longer[:5], pieces)
-    objects = record_lists.lengthened(record_lists.as_objects(pieces), PIECE)
-    assert objects[:5] == record_lists.as_objects(pieces)
-    assert len(objects) > 5
+    objects = record_lists.as_objects(pieces)
+    longer_objects = record_lists.lengthened(objects, PIECE)
+    assert longer_objects[:5] == objects
+    assert len(longer_objects) > 5
 
 
 def test_blank_objects_are_records_of_zeros_and_can_be_set_each_alone():
+    """The gap of the second of three nodes is set."""
     zeros = np.zeros(3, NODE)
 
     nodes = record_lists.blank(3, NODE)
@@ -209,6 +214,9 @@ def cache_hits(kernel):
 
 
 def test_machine_code_is_found_again_unless_a_source_changed(cache, monkeypatch):
+    """A new kernel is read from disk after the first call of one, and compiled anew
+    once its digest is another one.
+    """
     assert new_kernel().files() == []
     assert cache_hits(new_kernel()) == 0
     (file,) = new_kernel().files()
@@ -228,6 +236,9 @@ def test_machine_code_is_found_again_unless_a_source_changed(cache, monkeypatch)
 def test_without_a_place_for_machine_code_it_is_made_in_each_process(
     cache, monkeypatch
 ):
+    """numba finds no place for its cache: kernels are compiled each time and keep no
+    files.
+    """
     from numba import njit
 
     def nowhere(*arguments, cache=False, **more):
@@ -244,6 +255,8 @@ def test_without_a_place_for_machine_code_it_is_made_in_each_process(
 
 
 def test_a_full_disk_is_no_failure(cache, monkeypatch):
+    """The kernel is compiled without a warning, and no index is kept."""
+
     def full(*arguments, **more):
         raise OSError(28, "No space left on device")
 
@@ -261,10 +274,14 @@ def test_a_full_disk_is_no_failure(cache, monkeypatch):
     [("nbi", 0.5), pytest.param("nbc", 0.99, marks=pytest.mark.exhaustive)],
 )
 def test_files_half_written_are_told_of_and_made_anew(cache, kind, share):
+    """A warning says so, and from then on machine code is found again. `share` is the
+    part of the file that is there.
+    """
     assert cache_hits(new_kernel()) == 0
     (path,) = cache.rglob(f"*.{kind}")
     content = path.read_bytes()
-    path.write_bytes(content[: int(share * len(content))])
+    half_written = int(share * len(content))  # bytes
+    path.write_bytes(content[:half_written])
     with pytest.warns(compiling.DamagedCache, match="is damaged; it is made anew"):
         assert cache_hits(new_kernel()) == 0
     with warnings.catch_warnings():

@@ -31,17 +31,22 @@ def ticks_of(durations):
     for span, duration in zip(spans, durations, strict=True):
         span.time = duration
     ticks_of_longest = assign_ticks(spans, 49)  # up to 49 bits
-    return [span.ticks for span in spans], ticks_of_longest
+    ticks = [span.ticks for span in spans]
+    return ticks, ticks_of_longest
 
 
 @pytest.mark.parametrize(
     "ratio", ["1/1", "1/3", "2/7", "1048575/1048576", "1/1048576", "355/1130"]
 )
 def test_ratios_of_small_numbers_are_recognised_also_beside_round_off(ratio):
+    """`recognise` gives numerator and denominator of the ratio, also for the next float
+    below.
+    """
     x = Fraction(ratio)
     p, q = recognise(float(x))
     assert Fraction(p, q) == x
-    p, q = recognise(math.nextafter(float(x), 0))
+    next_below = math.nextafter(float(x), 0)
+    p, q = recognise(next_below)
     assert Fraction(p, q) == x
 
 
@@ -51,8 +56,11 @@ def test_numbers_that_are_no_such_ratio_are_not_recognised(x):
 
 
 def test_ticks_do_not_depend_on_the_order_of_durations():
+    """Six of eleven random durations are whole sevenths, whose ratios are recognised."""
     rng = default_rng(3)
-    durations = [*rng.uniform(0.1, 1, 5), *(rng.integers(1, 9, 6) / 7)]
+    any_durations = rng.uniform(0.1, 1, 5)
+    sevenths = rng.integers(1, 9, 6) / 7
+    durations = [*any_durations, *sevenths]
 
     def ticks_by_duration(ordered):
         ticks, _ = ticks_of(ordered)
@@ -65,8 +73,11 @@ def test_ticks_do_not_depend_on_the_order_of_durations():
 
 
 def test_rounding_is_about_half_a_tick_at_most_where_ratios_are_unknown():
+    """Ticks of forty random durations are compared with exact fractions."""
     rng = default_rng(5)
-    durations = [*rng.uniform(0.01, 1, 20), *rng.uniform(1e-5, 1e-3, 20)]
+    long_durations = rng.uniform(0.01, 1, 20)
+    short_durations = rng.uniform(1e-5, 1e-3, 20)
+    durations = [*long_durations, *short_durations]
     ticks, ticks_of_longest = ticks_of(durations)
     ticks_per_second = Fraction(ticks_of_longest) / Fraction(max(durations))
     largest_error = Fraction(1, 2) + Fraction(1, 8)  # as ticks are computed in floats
@@ -76,6 +87,9 @@ def test_rounding_is_about_half_a_tick_at_most_where_ratios_are_unknown():
 
 
 def test_transit_times_of_one_material_are_in_the_ratio_of_their_lengths():
+    """Ticks of rods of steel, 0.1, 0.25 and 1/3 m long, and of aluminium, 0.3 and 0.1 m
+    long.
+    """
     steel = ri.materials.steel
     aluminium = ri.materials.aluminium
     row = [
@@ -87,7 +101,8 @@ def test_transit_times_of_one_material_are_in_the_ratio_of_their_lengths():
     ]
     rods = [ri.Rod(length, area=1e-4, material=stuff) for length, stuff in row]
 
-    clock = tracked(ri.System(rods)).clock
+    system = ri.System(rods)
+    clock = tracked(system).clock
 
     ticks = clock.ticks[1:-1]  # of each rod; nothing lies beyond the ends
     assert ticks[0] * 5 == ticks[1] * 2  # 0.1 to 0.25
@@ -109,7 +124,7 @@ def test_transit_times_of_one_material_are_in_the_ratio_of_their_lengths():
     ],
 )
 def test_a_log_that_is_full_grows_and_the_run_goes_on(monkeypatch, compiling):
-    """To the same bits as with room for all."""
+    """A run whose log has room for one row leaves the same bits as with room for all."""
     system = random_system(3)
     until = horizon(system, transits=8)
     expected = bits_of(system, until, compiling)
@@ -192,6 +207,9 @@ def test_machine_code_on_disk_costs_the_start_of_numba_and_its_loading(fresh):
 
 
 def test_after_warming_every_run_of_the_process_is_compiled(fresh):
+    """Kernels that `warm` has met are worth compiling at once; kernels met in a forced
+    compilation only are not.
+    """
     with kernels.forced(compiling=True):
         assert kernels.worth_compiling(0.0, PIECES)
     assert not kernels.worth_compiling(0.0, PIECES)
@@ -234,6 +252,9 @@ def test_where_compiling_is_disabled_nothing_is(fresh):
 
 
 def test_without_numba_a_long_job_is_plain_and_the_user_is_told_once(fresh):
+    """A short job tells nothing, a long one warns once, and `warm` warns that nothing
+    can be compiled.
+    """
     fresh.setattr(kernels, "_fault", lambda: "numba is not installed")
     assert not kernels.worth_compiling(0.5, FRONTS)
     with pytest.warns(

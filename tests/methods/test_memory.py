@@ -45,7 +45,8 @@ def solve_and_read(system, until):
     """Solve on a grid, and ask for all that tables and figures need."""
     solution = ri.solve(system, until=until, method="finite-difference", cells=40)
     str(solution)
-    solution.energy(np.linspace(0.0, solution.t_end, 20))
+    times = np.linspace(0.0, solution.t_end, 20)
+    solution.energy(times)
 
 
 @pytest.mark.skipif(
@@ -55,6 +56,9 @@ def solve_and_read(system, until):
 def test_the_memory_asked_for_bounds_what_is_taken_and_is_8_times_as_much_at_most(
     monkeypatch, name
 ):
+    """A row of `ROWS` is solved on a grid and its energies are read, in machine code;
+    the bytes that it takes are traced.
+    """
     pytest.importorskip("numba")  # plain Python has lists beside arrays
     bytes_asked_for = []
 
@@ -84,6 +88,7 @@ def test_the_memory_asked_for_bounds_what_is_taken_and_is_8_times_as_much_at_mos
 def test_snapshots_that_are_too_many_are_refused_before_they_take_memory(
     snapshots,
 ):
+    """The refusal itself takes less than 0.1 GB."""
     options = {"method": "finite-difference", "cells": 100, "snapshots": snapshots}
     message = r"snapshots: .*needs .* GB of memory, .* GB; "
 
@@ -97,7 +102,8 @@ def test_snapshots_that_are_too_many_are_refused_before_they_take_memory(
 @pytest.mark.parametrize("until", [1e20, 1e150])
 def test_an_end_beyond_the_clock_is_refused_with_a_remedy(until):
     said = "more than the clock can count; stop before"
-    assert refused(said, ri.solve, PAIR, until, "characteristics") == ["until"]
+    paths = refused(said, ri.solve, PAIR, until, "characteristics")
+    assert paths == ["until"]
 
 
 def test_a_small_machine_allows_a_quarter_of_its_memory(monkeypatch):
@@ -118,10 +124,12 @@ def test_a_small_machine_allows_a_quarter_of_its_memory(monkeypatch):
     ],
 )
 def test_fronts_that_multiply_for_ever_are_refused(monkeypatch, run):
+    """Three rods between walls outgrow a log with room for eight times its first rows."""
     rows = 8 * batch.INITIAL_LOG_ROWS  # of the log, for which there is room
     max_bytes = 8.0 * batch.NUMBERS_PER_LIST_ROW * rows
     monkeypatch.setattr(memory, "MAX_BYTES", max_bytes)
-    bodies = [ri.Wall(), rod(velocity=1.0), rod(0.3781), rod(0.271), ri.Wall()]
+    moving = rod(velocity=1.0)
+    bodies = [ri.Wall(), moving, rod(0.3781), rod(0.271), ri.Wall()]
 
     message = r"max_events: .* needs .* GB .*; lower the cap"
     with pytest.raises(memory.TooLong, match=message):
@@ -130,9 +138,10 @@ def test_fronts_that_multiply_for_ever_are_refused(monkeypatch, run):
 
 @pytest.mark.exhaustive
 def test_the_velocity_of_a_mass_is_kept_over_more_than_131_072_steps():
-    """2^17 steps; the rod, 1 km away, is never met."""
+    """A mass flies for 2^17 steps and more; the rod, 1 km away, is never met."""
     n_steps = 2**17
-    row = ri.System([ri.RigidMass(1.0, velocity=1.0), rod(0.5)], gaps=[1e3])
+    mass = ri.RigidMass(1.0, velocity=1.0)
+    row = ri.System([mass, rod(0.5)], gaps=[1e3])
     until = n_steps * 1e-5 + 1.0  # steps are shorter than 1e-5 s
 
     solution = ri.solve(row, until=until, method="finite-difference", cells=8)
@@ -143,6 +152,9 @@ def test_the_velocity_of_a_mass_is_kept_over_more_than_131_072_steps():
 
 def test_threads_that_take_more_than_their_share_go_one_after_the_other(monkeypatch):
     # A quarter of the memory holds 400 numbers of 8 bytes: 100 for each of 4 threads.
+    """Four threads take their shares at the same time; beyond these only one of them is
+    at work at a time.
+    """
     monkeypatch.setattr(memory, "installed", lambda: 4 * 8 * 400.0)
     together = threading.Barrier(4, timeout=20)
     at_work = []  # threads beyond their share
@@ -170,9 +182,13 @@ def test_threads_that_take_more_than_their_share_go_one_after_the_other(monkeypa
 def test_members_larger_than_the_share_of_a_thread_run_in_turn_and_as_alone(
     monkeypatch,
 ):
+    """Each member of a sweep in four threads has its turn; restitutions are bit for bit
+    those without threads.
+    """
     even = ri.Samples([1.0, 1.0])
     lengths = np.linspace(0.3, 0.5, 8)  # m, of the members
-    family = ri.System([rod(lengths, velocity=even), rod()], contacts=[HERTZ])
+    striker = rod(lengths, velocity=even)
+    family = ri.System([striker, rod()], contacts=[HERTZ])
     without_threads = ri.sweep(family, "finite-difference", cells=200, workers=1)
     limit_to_share = memory.limit_to_share
     make_solution = chunks.Solution
@@ -190,4 +206,5 @@ def test_members_larger_than_the_share_of_a_thread_run_in_turn_and_as_alone(
     result = ri.sweep(family, "finite-difference", cells=200, workers=4)
     assert has_turn == [True] * 8
     assert not memory._turn.locked()
-    assert result.restitution.tobytes() == without_threads.restitution.tobytes()
+    restitution = result.restitution.tobytes()
+    assert restitution == without_threads.restitution.tobytes()

@@ -52,11 +52,12 @@ def search(impulse, rtol, max_factor=64, order=1.0):
 
 
 def test_levels_are_not_powers_of_two_only():
-    assert FACTORS[:10] == (1, 2, 3, 4, 6, 8, 12, 16, 24, 32)
+    first_ten = FACTORS[:10]
+    assert first_ten == (1, 2, 3, 4, 6, 8, 12, 16, 24, 32)
 
 
 def test_four_coarser_levels_must_agree_with_the_finest():
-    """Here 3, 4, 6 and 8 agree with 12."""
+    """Levels 3, 4, 6 and 8 agree with 12, at which the search ends."""
     impulses = {1: 0.0, 2: 0.0, 3: 1.0, 4: 1.0, 6: 1.0, 8: 1.0, 12: 1.0}
 
     result = search(impulses.get, rtol=1e-3)
@@ -67,8 +68,8 @@ def test_four_coarser_levels_must_agree_with_the_finest():
 
 
 def test_what_powers_of_two_do_not_see_is_seen():
-    """A sawtooth that is the same on all of them, as of a contact that closes inside a
-    step.
+    """A sawtooth that is the same on all powers of two, as of a contact that closes
+    inside a step, is refined up to the last level, and its error is stated.
     """
 
     def sawtooth(factor):
@@ -83,7 +84,8 @@ def test_what_powers_of_two_do_not_see_is_seen():
     # From 48 to 64 the impulse changes by 0.1/48; first order makes of that an error of
     # 1/(64/48 - 1) = 3 times the change.
     error = 3 * 0.1 / 48
-    assert result.estimates["impulse"] == pytest.approx(SAFETY_FACTOR * error)
+    estimate = result.estimates["impulse"]
+    assert estimate == pytest.approx(SAFETY_FACTOR * error)
 
 
 @pytest.mark.parametrize("order", [0.5, 1, 2])
@@ -100,6 +102,10 @@ def test_the_estimate_is_the_error_of_that_order_times_the_safety_factor(order):
 
 
 def test_an_unsettled_duration_is_estimated_but_not_refined_for():
+    """The duration is 3 s and 2 s in turn, the impulse constant: the search ends at
+    four levels with an error of the duration.
+    """
+
     def measures(run):
         longest = 2.0 + run.factor % 2  # s: 3, 2, 3 and 2 on the first levels
         return {"impulse": np.ones(1), "duration": np.array([0.0, longest])}

@@ -35,8 +35,10 @@ def record(distance, bar, noise=0.0, seed=0, factor=1.0):
     """
     up = TIMES / RISE
     down = (WIDTH + RISE - TIMES) / RISE
-    shape = np.clip(np.minimum(up, down), 0, 1)
-    passing = ri.Signal(shape, TIMES).propagated(distance, bar)
+    slopes = np.minimum(up, down)
+    shape = np.clip(slopes, 0, 1)
+    pulse = ri.Signal(shape, TIMES)
+    passing = pulse.propagated(distance, bar)
     values = factor * np.interp(TIMES, passing.times, passing.values)
     rng = default_rng(seed)
     white = rng.standard_normal(len(TIMES))
@@ -51,9 +53,12 @@ def both_records(bar, noise=0.0, seed=0, factor=1.0):
 
     The second one is multiplied by a factor.
     """
+    to_second = TO_FIRST + APART
     first = record(TO_FIRST, bar, noise, 2 * seed)
-    second = record(TO_FIRST + APART, bar, noise, 2 * seed + 1, factor)
-    return first.window(0.0, 3e-4), second.window(3e-4, 8.5e-4)
+    second = record(to_second, bar, noise, 2 * seed + 1, factor)
+    first_passage = first.window(0.0, 3e-4)
+    second_passage = second.window(3e-4, 8.5e-4)
+    return first_passage, second_passage
 
 
 @pytest.mark.parametrize("seed", few_of([0, 1], [0]))
@@ -90,15 +95,19 @@ def test_stated_errors_are_the_scatter():
         calibration = ri.calibrate_bar(*records, APART, BAR)
         speed_error = calibration.wave_speed - SPEED
         poisson_error = calibration.poisson_ratio - 0.29
-        speed_ratios.append(speed_error / calibration.wave_speed_error)
-        poisson_ratios.append(poisson_error / calibration.poisson_ratio_error)
+        speed_ratio = speed_error / calibration.wave_speed_error
+        poisson_ratio = poisson_error / calibration.poisson_ratio_error
+        speed_ratios.append(speed_ratio)
+        poisson_ratios.append(poisson_ratio)
     for ratios in (speed_ratios, poisson_ratios):
-        scatter = np.sqrt(np.mean(np.square(ratios)))
+        mean_square = np.mean(np.square(ratios))
+        scatter = np.sqrt(mean_square)
         assert 0.4 < scatter < 1.6
 
 
 @pytest.mark.exhaustive
 def test_an_echo_from_a_free_end_is_as_good_as_a_second_gauge():
+    """Its gain is -1; wave speed and Poisson ratio are found."""
     true_bar = ri.waves.Bar(SPEED, 0.29, RADIUS)
     first, echo = both_records(true_bar, noise=1e-3, factor=-1.0)
 
@@ -117,7 +126,8 @@ def test_a_pulse_that_is_cut_off_in_the_second_record_is_doubtful():
     true_bar = ri.waves.Bar(SPEED, 0.29, RADIUS)
     first, second = both_records(true_bar)
     # Half of the pulse has passed the second gauge, 2.5 m on, after 0.55 ms.
-    values = np.where(second.times < 5.5e-4, second.values, 0.0)
+    has_passed = second.times < 5.5e-4
+    values = np.where(has_passed, second.values, 0.0)
     cut_off = second.replace(values=values)
 
     calibration = ri.calibrate_bar(first, cut_off, APART, guess())
@@ -128,7 +138,8 @@ def test_a_pulse_that_is_cut_off_in_the_second_record_is_doubtful():
 
 def test_mistakes_are_named():
     """Each change alone spoils a call that is right."""
-    first, second = both_records(ri.waves.Bar(SPEED, 0.29, RADIUS))
+    true_bar = ri.waves.Bar(SPEED, 0.29, RADIUS)
+    first, second = both_records(true_bar)
     before_pulse_ends = first.window(0.0, 5e-5)
     in_volts = second.replace(unit="V")
     not_round = ri.Rod(4.0, area=1e-4, material=METAL)
@@ -153,7 +164,8 @@ def test_a_joint_that_reflects_too_much_is_told():
     striker = ri.Rod(0.3, area=1e-4, material=metal, velocity=10.0)
     bar = ri.Rod(1.5, area=1e-4, material=metal)
     thin = ri.Rod(1.5, area=8e-5, material=metal)
-    run = ri.solve(ri.System([striker, bar, thin]), until=1.5e-3)
+    row = ri.System([striker, bar, thin])
+    run = ri.solve(row, until=1.5e-3)
     from_joint = 0.75  # m, in the middle of either bar
     first_record = run.gauge(1, from_joint).signal(1e-6)
     second_record = run.gauge(2, from_joint).signal(1e-6)
