@@ -41,10 +41,10 @@ Below it the quotient loses 6 bits or more. The series neglects the fourth power
 
 
 def has_dashpot(link: Any) -> bool:
-    """Whether a link is a spring with a parallel dashpot.
+    """Whether a link is a contact with a spring and a parallel dashpot.
 
-    A dashpot presses without overlap, too. The damping of other laws, which multiplies
-    their force, is no dashpot.
+    A dashpot presses without overlap, too. Joints do not count, and neither does the
+    damping chi of other laws, which multiplies their force.
     """
     return bool(link.law == Law.SPRING and link.damping > 0)
 
