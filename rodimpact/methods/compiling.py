@@ -202,6 +202,7 @@ class Compiled:
             if not is_disk_full:
                 self._discard_cache()
             self._make(keep=False)
+            # `place` is "" now, so that a second error is raised.
             return self(*arguments)
 
     def _discard_cache(self) -> None:
@@ -333,7 +334,7 @@ def _twin(
             counterpart = _twin(value, user_functions, once)
         elif isinstance(value, list) and once is not None:
             counterpart = np.array(value)
-        if not name.startswith("__"):
+        if not name.startswith("__"):  # not `__name__`, `__doc__` and the like
             setattr(twin, name, counterpart)
     return twin
 

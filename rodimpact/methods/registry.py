@@ -192,7 +192,8 @@ class Options(FrozenDataclass):
             method = self._first_of(capable)
         missing = METHODS[method].lacking(needs)  # (path, physics) of each
         if len(missing) > 0:  # the given method is not capable
-            remedy = f'method "{capable[0]}" has'  # the message ends here, or goes on
+            # The message is such as: has no gravity; method "characteristics" has
+            remedy = f'method "{capable[0]}" has'
             # Steps can replace a taper. The advice helps if only tapers are missing.
             if all(physics == abilities.TAPER for _, physics in missing):
                 remedy += ", or give rod.in_steps(n)"

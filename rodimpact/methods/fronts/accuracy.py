@@ -57,7 +57,7 @@ def effect_of_rounding(finished: FrontRun) -> Mapping[str, float]:
         else:
             scale = float(np.abs(values).max(initial=0.0))
         errors[name] = 0.0
-        if largest_change > 0:
+        if largest_change > 0:  # otherwise the scale may be 0
             errors[name] = largest_change / scale
     return errors
 

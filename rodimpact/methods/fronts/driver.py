@@ -168,7 +168,7 @@ def run_block(
     batch.run_to_end()
     results = batch.array("results")
     for (name, k), column in columns.items():
-        column[block] = results[name][:, k]
+        column[block] = results[name][:, k]  # results[name] is [member, node]
 
 
 class MemberValues:
