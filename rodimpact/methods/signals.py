@@ -191,7 +191,7 @@ class Pieces:
 
     def _own_time(self, i: Ints, ticks: Ints) -> Floats:
         """Variable y of pieces i at these ticks; -1 before a piece, 1 after it."""
-        # From 0 to the width of the piece, scaled to -1 to 1
+        # The time since the start, 0 to the width of the piece, is scaled to -1 to 1.
         return np.clip((ticks - self.ticks[i]) / self.widths[i] * 2 - 1, -1.0, 1.0)
 
     def at(self, ticks: ArrayLike, side: Side = "right") -> Floats:

@@ -49,7 +49,7 @@ def measure_segments(state: State) -> None:
         square_integral = 0 * mean  # integral((a - V)^2 + (b - V)^2)
         for l in range(2 * s, 2 * s + 2):  # both lines of the segment
             line = state.lines[l]
-            # From the end where the waves arrive, back to the end where they are sent
+            # The waves are visited from the end where they arrive to the other end.
             r = line.next_row
             wave = line.incoming_wave
             # Number of ticks ago at which this wave began to be sent, at most a transit

@@ -264,7 +264,7 @@ def make_state(layout: FamilyLayout, log_rows: int, values: list[Any]) -> State:
         if layout.closed_status[k] == Status.BOND:
             run.settles_after_proof = 1
     queue = [0 for _ in range(event_queue.size_for(n + 1))]
-    # By position: JavaScript, into which this is translated, has no keywords.
+    # Arguments go by position, as this is translated to JavaScript, without keywords.
     return State(
         [run],
         values,

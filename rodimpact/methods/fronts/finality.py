@@ -205,7 +205,7 @@ def measure_waves(state: State, s: int, now: int) -> None:
         transit = segments[i].transit
         twice_mass += 2 * impedance * transit
         for l in range(2 * i, 2 * i + 2):
-            # From the end where the waves arrive, back to the end where they are sent
+            # The waves are visited from the end where they arrive to the other end.
             r = lines[l].next_row
             wave = lines[l].incoming_wave
             # This wave was sent from `first_sent_ago` ticks ago, at most a transit, to
@@ -309,7 +309,7 @@ def bound_deviation(state: State, k: int, s: int, now: int) -> None:
             # b travels to a contact on the left of the group, a to one on the right.
             runs_to_contact = is_leftward == is_right
             line = state.lines[l]
-            # From the end where the waves arrive, back to the end where they are sent
+            # The waves are visited from the end where they arrive to the other end.
             r = line.next_row
             wave = line.incoming_wave - group.mean_velocity
             # This wave was sent from `first_sent_ago` ticks ago, at most a transit, to

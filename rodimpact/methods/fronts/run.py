@@ -103,8 +103,7 @@ class FrontRun:
             impedance[0] = impedance[1]
         if self.segments[-1].mobility > 0:  # one on the right
             impedance[-1] = impedance[-2]
-        # Without the segments outside
-        ticks = [segment.transit for segment in self.segments[1:-1]]
+        ticks = [segment.transit for segment in self.segments[1:-1]]  # without outside
         return clock_of(
             row,
             ticks,
