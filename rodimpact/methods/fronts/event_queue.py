@@ -55,6 +55,6 @@ def first_leaf(queue: Queue) -> int:
 
 def build_tree(queue: Queue) -> None:
     """Set all entries above the leaves, from the ticks in the leaves."""
-    # The last entry that is no leaf comes first, the root last: children before parents.
+    # The root comes last: each entry needs both of its children.
     for i in range(len(queue) // 2 - 1, 0, -1):
         queue[i] = min(queue[2 * i], queue[2 * i + 1])
