@@ -74,9 +74,9 @@ def outside_of(run: GridRun, side: int) -> BoundaryAction | None:
     # The frame has the velocity row.frame + g t; this is g t in the middle of each step
     fall = row.system.gravity * run.step * (np.arange(run.steps) + 0.5)
     return BoundaryAction(
-        row.boundary_name(side),
-        over_steps(run, np.ascontiguousarray(force)),
-        over_steps(run, mean_velocity + row.frame + fall),
+        kind=row.boundary_name(side),
+        push=over_steps(run, np.ascontiguousarray(force)),
+        speed=over_steps(run, mean_velocity + row.frame + fall),
     )
 
 
@@ -86,5 +86,5 @@ def over_steps(run: GridRun, means: Floats) -> Pieces:
     `means` [step] are the values. In a run without steps the signal is 0.
     """
     if run.steps == 0:
-        return Pieces([0], [0.0])
+        return Pieces([0], [0.0])  # the value 0 from tick 0 on
     return Pieces(run.edges[:-1], means)

@@ -192,8 +192,8 @@ def _tally(run: GridRun, k: int, force: Floats, intervals: Floats) -> ContactTal
     `force` is its mean force in each step, N; `intervals` are the times of
     `GridRun.force_intervals`, s. The peak force of a bond or joint is its largest mean;
     its duration is 0, and its first and last time are nan, as for a contact without a
-    force. An impact of rigid bodies has no peak force (nan), and the duration 0 if it
-    lasts at most one step.
+    force. An impact of rigid bodies has no peak force (nan), and each of its forces
+    that lasts at most one step has the duration 0.
     """
     law = run.row.system.contacts[k]
     begins, ends = run.force_spans(intervals)
@@ -243,10 +243,10 @@ def _signals(
             _, gap = run.contact(k)
             closing = run.recorded(link, "closing")
         signal = ContactSignal(
-            over_steps(run, force),
-            Pieces.through(edges, gap),
-            over_steps(run, closing),
-            episodes_from_intervals(intervals[k]),
+            force=over_steps(run, force),
+            gap=Pieces.through(edges, gap),
+            closing=over_steps(run, closing),
+            episodes=episodes_from_intervals(intervals[k]),
         )
         contacts.append(signal)
     masses = {}
@@ -259,7 +259,14 @@ def _signals(
         push = over_steps(run, run.recorded_soil(shaft, "force"))
         power = over_steps(run, run.recorded_soil(shaft, "power"))
         shafts[body] = ShaftAction(push, power)
-    return Signals(motion, tuple(contacts), outside, edges, masses, shafts)
+    return Signals(
+        motion=motion,
+        contacts=tuple(contacts),
+        boundary_actions=outside,
+        edges=edges,
+        masses=masses,
+        shafts=shafts,
+    )
 
 
 def _pushes_on_nodes(
