@@ -237,7 +237,7 @@ class Bars:
         )
         triangles: list[Line2D] = []
         # Only jumps inside one segment count, not those between rods or rows.
-        for i in np.flatnonzero(is_front & _follow(pieces)):
+        for i in np.flatnonzero(is_front & _continues_segment(pieces)):
             marker = "<"
             if velocity_jump[i] * strain_jump[i] < 0:  # opposite signs: to the right
                 marker = ">"
@@ -430,12 +430,13 @@ def merged(pieces: Any, spread: float) -> Any:
     segment and one row. A joined piece has the mean state of its parts, weighted by
     their widths. `pieces` is not changed.
     """
-    follow = _follow(pieces)  # follow[i - 1] is that of piece i
+    # continues[i - 1] says that piece i is in the same segment as piece i - 1
+    continues = _continues_segment(pieces)
     velocity = pieces.velocity
     starts = [0]  # index of the first part of each joined piece
     for i in range(1, len(pieces)):
         spread_with_i = np.ptp(velocity[starts[-1] : i + 1])
-        if not follow[i - 1] or spread_with_i > spread:
+        if not continues[i - 1] or spread_with_i > spread:
             starts.append(i)
     # The last part of a joined piece is just before the first part of the next.
     last = np.append(starts, len(pieces))[1:] - 1
@@ -449,7 +450,7 @@ def merged(pieces: Any, spread: float) -> Any:
     return joined
 
 
-def _follow(pieces: Any) -> NDArray[np.bool_]:
+def _continues_segment(pieces: Any) -> NDArray[np.bool_]:
     """Whether each piece is in the same row, body and segment as the piece before it.
 
     The first piece has none before it: entry i - 1 is that of piece i.

@@ -178,8 +178,9 @@ class Polygons:
         self._numbers = numbers
         self._norm = norm
         self._plane = plane
-        self._has_one_each = numbers.size == len(regions)
-        if not self._has_one_each:
+        # whether the numbers belong to regions, not to corners
+        self._is_by_region = numbers.size == len(regions)
+        if not self._is_by_region:
             return self._draw_shaded()
         drawn = collections.PolyCollection(
             np.split(self._corners, regions.start[1:-1]),  # the corners of each region
@@ -225,7 +226,7 @@ class Polygons:
         ax = self._plane.ax
         fronts = self._fronts()
         seen = self._draw_fronts(ax, fronts)
-        if not self._has_one_each:
+        if not self._is_by_region:
             return []
         if seen.sum() <= FEW_FRONTS:
             named = seen & ~fronts.is_step
