@@ -19,7 +19,8 @@ these and rigid contacts.
 
 def between(rng, low, high):
     """A random number between two, its logarithm evenly distributed."""
-    return float(np.exp(rng.uniform(np.log(low), np.log(high))))
+    exponent = rng.uniform(np.log(low), np.log(high))
+    return float(np.exp(exponent))
 
 
 def random_contact(rng, kind):
@@ -37,8 +38,10 @@ def random_contact(rng, kind):
         return ri.PowerLaw(stiffness, exponent=exponent)
     if kind == "dashpot":
         if choice < 2:
-            return ri.SpringDashpot(stiffness, damping=between(rng, 0.02, 5.0))
-        return ri.HuntCrossley(stiffness, damping=between(rng, 0.05, 2.0))
+            damping = between(rng, 0.02, 5.0)
+            return ri.SpringDashpot(stiffness, damping=damping)
+        damping = between(rng, 0.05, 2.0)
+        return ri.HuntCrossley(stiffness, damping=damping)
     hardening = float(rng.choice([0.0, 0.1, 0.6])) * stiffness
     yield_force = between(rng, 0.03, 0.5)
     return ri.Yielding(stiffness, yield_force, hardening)
@@ -46,12 +49,10 @@ def random_contact(rng, kind):
 
 def uniform_rod(rng, speed):
     """A uniform rod of random length, section and material with a velocity, m/s."""
-    return ri.Rod(
-        length=float(rng.uniform(0.3, 1.0)),
-        area=between(rng, 0.3, 3.0),
-        material=SLOW if rng.random() < 0.7 else QUICK,
-        velocity=speed,
-    )
+    length = float(rng.uniform(0.3, 1.0))
+    area = between(rng, 0.3, 3.0)
+    material = SLOW if rng.random() < 0.7 else QUICK
+    return ri.Rod(length, area=area, material=material, velocity=speed)
 
 
 def random_law_between(rng, kind, before, behind):
@@ -78,12 +79,15 @@ def random_compliant_row(kind, seed):
     rng = default_rng([KINDS.index(kind), seed])
     bodies = []
     for i in range(rng.integers(2, 4)):
-        speed = float(rng.choice([0.0, -0.5, rng.uniform(-1, 1)]))
+        any_speed = rng.uniform(-1, 1)
+        speed = float(rng.choice([0.0, -0.5, any_speed]))
         if i == 0:
             speed = 1.0
         bodies.append(uniform_rod(rng, speed))
     if kind == "mixed" and rng.random() < 0.5:
-        mass = ri.RigidMass(between(rng, 0.1, 2.0), velocity=float(rng.uniform(-1, 1)))
+        kilograms = between(rng, 0.1, 2.0)
+        velocity = float(rng.uniform(-1, 1))
+        mass = ri.RigidMass(kilograms, velocity=velocity)
         place = rng.integers(len(bodies) + 1)
         bodies.insert(place, mass)
     if rng.random() < 0.25:
@@ -91,10 +95,12 @@ def random_compliant_row(kind, seed):
     contacts = []
     gaps = []
     for before, behind in pairwise(bodies):
-        contacts.append(random_law_between(rng, kind, before, behind))
+        law = random_law_between(rng, kind, before, behind)
+        contacts.append(law)
         gap = 0.0
         if rng.random() < 0.4:
             gap = float(rng.uniform(0, 0.3))
         gaps.append(gap)
     until = float(rng.uniform(2.0, 5.0))
-    return ri.System(bodies, gaps, contacts), until
+    system = ri.System(bodies, gaps, contacts)
+    return system, until

@@ -32,9 +32,11 @@ def _integration():
     columns = np.eye(len(SHARES))
     matrix = np.empty((len(SHARES), len(SHARES)))
     for j, values in enumerate(columns):
-        series = np.polynomial.legendre.legfit(POINTS, values, len(POINTS) - 1)
+        degree = len(POINTS) - 1
+        series = np.polynomial.legendre.legfit(POINTS, values, degree)
         primitive = np.polynomial.legendre.legint(series, lbnd=-1)
-        matrix[:, j] = np.polynomial.legendre.legval(POINTS, primitive) / 2
+        integrals = np.polynomial.legendre.legval(POINTS, primitive)
+        matrix[:, j] = integrals / 2  # the interval from -1 to 1 has the length 2
     return matrix
 
 
@@ -103,7 +105,9 @@ def random_linear_row(seed):
             pieces.append(Piece(impedance, units, velocity))
         if i > 0:
             joints.append(joint)
-    drives = [random_drive(rng, pieces[side], jumping) for side in (0, -1)]
+    first_drive = random_drive(rng, pieces[0], jumping)
+    last_drive = random_drive(rng, pieces[-1], jumping)
+    drives = [first_drive, last_drive]
     return LinearRow(pieces, joints, drives)
 
 
@@ -136,7 +140,8 @@ def system_of(row, until):
     bodies = []
     for piece in row.pieces:
         if piece.units == 0:
-            bodies.append(ri.RigidMass(piece.inertia, velocity=piece.velocity))
+            mass = ri.RigidMass(piece.inertia, velocity=piece.velocity)
+            bodies.append(mass)
             continue
         length = piece.units * UNIT_TIME
         impedance = piece.inertia
@@ -157,7 +162,7 @@ def system_of(row, until):
 
 
 def solve_linear_row(row, intervals):
-    """Solve a row over so many intervals of `UNIT_TIME`.
+    """`Motion` of a row after so many intervals of `UNIT_TIME`.
 
     Every interval is one set of linear equations: for the velocities of both faces of
     each piece, and the forces between and outside them, at all points.
@@ -172,7 +177,9 @@ def solve_linear_row(row, intervals):
     identity = np.eye(n)
     for interval in range(intervals):
         times = (interval + SHARES) * UNIT_TIME
-        size = 2 * count * n + (count + 1) * n
+        n_velocities = 2 * count * n
+        n_forces = (count + 1) * n
+        size = n_velocities + n_forces
         matrix = np.zeros((size, size))
         right = np.zeros(size)
         equation = 0
@@ -205,9 +212,13 @@ def solve_linear_row(row, intervals):
                 arriving.append(None)
                 continue
             back = interval - piece.units
-            initial = np.full(n, piece.velocity / 2)
-            f = leaving[i][0][back] if back >= 0 else initial
-            g = leaving[i][1][back] if back >= 0 else initial
+            initial = np.full(n, piece.velocity / 2)  # both parts before the start
+            f = initial
+            g = initial
+            if back >= 0:
+                from_left, from_right = leaving[i]
+                f = from_left[back]
+                g = from_right[back]
             arriving.append((f, g))
             # left end: N + Z v = 2 Z g; right end: N - Z v = -2 Z f
             matrix[rows, force(i)] = identity
@@ -232,31 +243,41 @@ def solve_linear_row(row, intervals):
                 matrix[rows, face(j, 1)] = law
                 right[rows] = k * stretches[j]
             equation += n
+        # Link and piece at the left and at the right end of the row
+        ends = [(0, 0), (count, count - 1)]
         for side, drive in enumerate(row.drives):
             rows = slice(equation, equation + n)
-            link = (0, count)[side]
+            link, end_piece = ends[side]
             if drive is None:
                 matrix[rows, force(link)] = identity
             elif drive[0] == "force":
                 matrix[rows, force(link)] = identity
                 right[rows] = -drive[1](times)
             else:
-                matrix[rows, face((0, count - 1)[side], side)] = identity
+                matrix[rows, face(end_piece, side)] = identity
                 right[rows] = drive[1](times)
             equation += n
         solution = np.linalg.solve(matrix, right)
         for i, piece in enumerate(row.pieces):
             if piece.units == 0:
-                gained = solution[force(i + 1)] - solution[force(i)]
-                speeds[i] += UNIT_TIME / piece.inertia * float(WEIGHTS @ gained)
+                force_on_right = solution[force(i + 1)]
+                gained = force_on_right - solution[force(i)]
+                mean_force = float(WEIGHTS @ gained)
+                speeds[i] += UNIT_TIME / piece.inertia * mean_force
             else:
                 f, g = arriving[i]
-                leaving[i][0].append(solution[face(i, 0)] - g)
-                leaving[i][1].append(solution[face(i, 1)] - f)
+                velocity_of_left_face = solution[face(i, 0)]
+                velocity_of_right_face = solution[face(i, 1)]
+                from_left, from_right = leaving[i]
+                from_left.append(velocity_of_left_face - g)
+                from_right.append(velocity_of_right_face - f)
         for j in range(len(row.joints)):
-            impulses[j] -= UNIT_TIME * float(WEIGHTS @ solution[force(j + 1)])
-            closing = solution[face(j + 1, 0)] - solution[face(j, 1)]
-            stretches[j] += UNIT_TIME * float(WEIGHTS @ closing)
+            mean_tension = float(WEIGHTS @ solution[force(j + 1)])
+            impulses[j] -= UNIT_TIME * mean_tension  # a push is positive
+            face_on_left = solution[face(j, 1)]
+            face_on_right = solution[face(j + 1, 0)]
+            stretching = face_on_right - face_on_left
+            stretches[j] += UNIT_TIME * float(WEIGHTS @ stretching)
     velocities = []
     for i, piece in enumerate(row.pieces):
         if piece.units == 0:

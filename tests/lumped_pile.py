@@ -65,7 +65,8 @@ class Chain:
         cell = pile.length / segments
         share = np.full(segments + 1, 1 / segments)
         share[[0, -1]] /= 2
-        mass = np.full(segments + 1, pile.density * pile.area * cell)
+        mass_of_cell = pile.density * pile.area * cell
+        mass = np.full(segments + 1, mass_of_cell)
         mass[[0, -1]] /= 2
         self.mass = mass  # kg
         self.stiffness = pile.modulus * pile.area / cell  # N/m, of each spring
@@ -95,26 +96,30 @@ class Chain:
         for _ in range(round(duration / step)):
             tension = self.stiffness * np.diff(u)
             largest = max(largest, float(-tension.min()))
-            cushion = max(0.0, pile.cushion * (ram - u[0]))
-            static_toe = toe_stiffness * max(0.0, u[-1] - toe_set)
-            toe = max(0.0, static_toe * (1 + pile.toe_damping * v[-1]))
+            head = u[0]
+            toe_displacement = u[-1]
+            cushion = max(0.0, pile.cushion * (ram - head))
+            static_toe = toe_stiffness * max(0.0, toe_displacement - toe_set)
+            damping_factor = 1 + pile.toe_damping * v[-1]
+            toe = max(0.0, static_toe * damping_factor)
             damped = np.abs(resistance)
             if pile.is_viscous:
                 damped = self.ultimate
             damping = pile.shaft_damping * damped  # N s/m, at each mass
-            pulled_down = np.concatenate((tension, [0.0]))
-            pulled_up = np.concatenate(([0.0], tension))
+            pulled_down = np.append(tension, 0.0)  # by the spring below each mass
+            pulled_up = np.append(0.0, tension)  # by the spring above it
             force = pulled_down - pulled_up
             force[0] += cushion
             force[-1] -= toe
             # m (v - v_before)/step = force - resistance - damping (v + v_before)/2
             v_before = v
-            kept_momentum = v_before * (mass - step * damping / 2)
-            v = (kept_momentum + step * (force - resistance)) / (
-                mass + step * damping / 2
-            )
+            half_damping = step * damping / 2
+            kept_momentum = v_before * (mass - half_damping)
+            impulse = step * (force - resistance)
+            v = (kept_momentum + impulse) / (mass + half_damping)
             mean = (v + v_before) / 2
-            soil_work += step * float((resistance + damping * mean) @ mean)
+            soil_force = resistance + damping * mean
+            soil_work += step * float(soil_force @ mean)
             ram_velocity -= step * cushion / pile.ram_mass
             u = u + step * v
             ram += step * ram_velocity
@@ -139,4 +144,8 @@ def strike_again(pile, count, segments, duration, step):
     The pile has to come to rest within `duration`, s, of each.
     """
     chain = Chain(pile, segments)
-    return [chain.strike(duration, step).toe_set for _ in range(count)]
+    sets = []
+    for _ in range(count):
+        blow = chain.strike(duration, step)
+        sets.append(blow.toe_set)
+    return sets
