@@ -417,6 +417,7 @@ class Row:
         sign inside it.
         """
         start = node.time
+        shortest = SHORTEST_CELL * self.transit  # s
         end = until  # the cell may not go beyond it
         breaks = node.broken
         for line in node.incoming:
@@ -434,22 +435,23 @@ class Row:
         while True:
             solved = self._solve(node, start, stop)
             width = stop - start
-            if width <= SHORTEST_CELL * self.transit:
+            if width <= shortest:
                 break  # two breakpoints that rounding has parted
             if not solved.accepted:
-                stop = start + 0.4 * width
+                stop = start + 0.4 * width  # the next attempt is shorter
                 event = None
                 continue
             found = self._first_event(node, start, stop, solved)
             if found is None:
                 break
             where, link, state = found
-            if where <= start + SHORTEST_CELL * self.transit:
+            if where <= start + shortest:
                 # The law changes at once: the cell is solved again with the new one.
                 changes += 1
                 assert changes < MAX_CHANGES, "laws change without end"
-                force = solved.forces_at_checks[node.links.index(link)][0]
-                link.change_to(state, start, float(force))
+                forces = solved.forces_at_checks[node.links.index(link)]
+                force_at_start = float(forces[0])
+                link.change_to(state, start, force_at_start)
                 breaks = True
                 event = None
                 continue
@@ -461,12 +463,13 @@ class Row:
         node.broken = False
         if event:
             link, state = event
-            force = solved.forces_at_checks[node.links.index(link)][-1]
-            link.change_to(state, stop, float(force))
+            forces = solved.forces_at_checks[node.links.index(link)]
+            force_at_stop = float(forces[-1])
+            link.change_to(state, stop, force_at_stop)
             node.broken = True
-        growth = 1.3
+        growth = 1.3  # of the length, from this cell to the next
         if solved.defect < 0.02 * self.tolerance * self.speed:
-            growth = 3.0
+            growth = 3.0  # the defect is far below what is accepted
         next_length = growth * (stop - start)
         if stop == end:  # a breakpoint cut this cell short
             next_length = max(node.length, next_length)
@@ -502,15 +505,17 @@ class Row:
             if values is not None:
                 missed = float(np.abs(values_at_checks - AT_CHECKS @ values).max())
                 defect = max(defect, missed)
+        is_small = defect <= self.tolerance * self.speed
+        states_at_end = first + half * (TO_END @ rates)
         return Solved(
-            accepted=converged and defect <= self.tolerance * self.speed,
+            accepted=converged and is_small,
             defect=defect,
             waves=at_gauss,
             forces=forces_at_gauss,
             states_at_checks=states,
             closings_at_checks=closings,
             forces_at_checks=forces,
-            last=(first + half * (TO_END @ rates))[0],
+            last=states_at_end[0],
         )
 
     def _collocate(self, node, first, half, waves):
@@ -566,11 +571,14 @@ class Row:
                 negative = np.flatnonzero(values < -tolerance)
                 if not len(negative):
                     continue
-                positive = np.flatnonzero(values[: negative[0]] > GUARD_TOLERANCE)
+                first_negative = negative[0]  # index of a check point
+                values_before = values[:first_negative]
+                positive = np.flatnonzero(values_before > GUARD_TOLERANCE)
                 where = start
                 if len(positive):
-                    k = positive[-1]
-                    where = start + half * (1 + root(values, k, negative[0]))
+                    last_positive = positive[-1]
+                    zero = root(values, last_positive, first_negative)  # in -1 to 1
+                    where = start + half * (1 + zero)
                 if first is None or where < first[0]:
                     first = where, link, state
         return first
@@ -586,7 +594,8 @@ class Row:
                 # The end moves with the wave, -F/Z on the left and F/Z on the right;
                 # what leaves differs twice as much.
                 force = solved.forces[-side]  # of the first link, or of the last
-                values = values + (4 * side - 2) * node.mobility[side] * force
+                direction = 2 * side - 1
+                values = values + 2 * direction * node.mobility[side] * force
             cell = Cell(start, stop, FROM_VALUES @ values, breaks)
             node.leaving[side].cells.append(cell)
         for i, link in enumerate(node.links):
@@ -594,8 +603,9 @@ class Row:
             link.impulse += half * float(WEIGHTS @ solved.forces[i])
             largest = float(solved.forces_at_checks[i].max())
             resolved = stop - start > 2 * SHORTEST_CELL * self.transit
-            if resolved and largest > 0.99 * link.peak:
-                link.peak = max(link.peak, maximum(solved.forces[i]))
+            if resolved and largest > 0.99 * link.peak:  # between checks it is larger
+                largest_of_cell = maximum(solved.forces[i])
+                link.peak = max(link.peak, largest_of_cell)
             pressed = link.state in (PRESSED, PLASTIC)
             if link.rigid:  # it may be closed without force
                 pressed = pressed and largest * self.mobility > 1e-12 * self.speed
