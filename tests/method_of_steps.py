@@ -205,16 +205,20 @@ def _contact(row, slope, k, terms, begin, h, past):
     `_Solved`.
     """
     times = begin + h * SHARES
-    free = (row.v[k] - row.v[k + 1]) * times - row.gap[k]
-    by_number = (slope.v[k] - slope.v[k + 1]) * times - slope.gap[k]
-    # `free` becomes the overlap without the impulse of this contact, `by_number` its
+    closing = row.v[k] - row.v[k + 1]  # without forces
+    closing_slope = slope.v[k] - slope.v[k + 1]
+    free = closing * times - row.gap[k]
+    free_slope = closing_slope * times - slope.gap[k]
+    # `free` becomes the overlap without the impulse of this contact, `free_slope` its
     # derivative.
     for sender, delay, w, delay_slope, w_slope in terms:
         earlier_P, earlier_F, earlier_Q = _earlier(times - delay, sender, past)
+        total_slope = earlier_Q - earlier_F * delay_slope  # of the impulse that arrives
         free += w * earlier_P
-        by_number += w_slope * earlier_P + w * (earlier_Q - earlier_F * delay_slope)
+        free_slope += w_slope * earlier_P + w * total_slope
     c = 1 / row.Z[k] + 1 / row.Z[k + 1]
-    c_slope = -slope.Z[k] / row.Z[k] ** 2 - slope.Z[k + 1] / row.Z[k + 1] ** 2
+    c_slope_left = -slope.Z[k] / row.Z[k] ** 2  # of 1/Z
+    c_slope = c_slope_left - slope.Z[k + 1] / row.Z[k + 1] ** 2
     K = row.K[k]
     p = row.p[k]
     inner = INTEGRAL[:-1] * h
@@ -223,32 +227,39 @@ def _contact(row, slope, k, terms, begin, h, past):
     force = np.zeros(NODES)
     for _ in range(60):
         d = free[1:-1] - c * (past.P + inner @ force)
-        stiffness = K * p * np.maximum(d, 0.0) ** (p - 1) * (d > 0)
-        off = force - K * np.maximum(d, 0.0) ** p
+        compression = np.maximum(d, 0.0)
+        stiffness = K * p * compression ** (p - 1) * (d > 0)
+        off = force - K * compression**p
         jacobian = np.eye(NODES) + (c * stiffness)[:, None] * inner
         step = np.linalg.solve(jacobian, off)
         force -= step
-        if np.abs(step).max() <= 1e-15 * (1 + np.abs(force).max()):
+        scale = 1 + np.abs(force).max()
+        if np.abs(step).max() <= 1e-15 * scale:
             break
     P = past.P + inner @ force
-    P_end = past.P + h * INTEGRAL[-1] @ force
-    overlap = free - c * np.concatenate([[past.P], P, [P_end]])
+    to_end = h * INTEGRAL[-1]  # weights of the integral over the whole interval
+    P_end = past.P + to_end @ force
+    impulse = np.concatenate([[past.P], P, [P_end]])
+    overlap = free - c * impulse
 
     # The same equation, differentiated: Q' = stiffness d_slope + d^p (K_slope + ...).
     inside = overlap[1:-1]
-    slope_of_known = by_number[1:-1] - c_slope * P - c * past.Q
+    slope_of_known = free_slope[1:-1] - c_slope * P - c * past.Q
     with np.errstate(divide="ignore", invalid="ignore"):
         logarithm = np.where(inside > 0, np.log(inside), 0.0)
     pushed = np.maximum(inside, 0.0) ** p
-    law_slope = pushed * (slope.K[k] + K * logarithm * slope.p[k])
+    factor_slope = slope.K[k] + K * logarithm * slope.p[k]
+    law_slope = pushed * factor_slope
     source = stiffness * slope_of_known + law_slope
     jacobian = np.eye(NODES) + (c * stiffness)[:, None] * inner
     rate = np.linalg.solve(jacobian, source)
     Q = past.Q + inner @ rate
-    Q_end = past.Q + h * INTEGRAL[-1] @ rate
-    last_coefficients = TO_COEFFICIENTS[-2:] @ np.array([force, rate]).T
+    Q_end = past.Q + to_end @ rate
+    force_and_rate = np.array([force, rate])
+    last_coefficients = TO_COEFFICIENTS[-2:] @ force_and_rate.T
     tail = h * np.abs(last_coefficients).max()
-    return _Solved(P, force, Q, P_end, Q_end, _crossing(overlap), tail)
+    change = _crossing(overlap)
+    return _Solved(P, force, Q, P_end, Q_end, change, tail)
 
 
 def _earlier(times, j, past):
@@ -260,7 +271,9 @@ def _earlier(times, j, past):
     has_begun = times > 0
     for i in np.unique(interval[has_begun]):
         here = (interval == i) & has_begun
-        x = 2 * (times[here] - edges[i]) / (edges[i + 1] - edges[i]) - 1
+        start = edges[i]
+        duration = edges[i + 1] - start
+        x = 2 * (times[here] - start) / duration - 1  # from -1 to 1 in the interval
         coefficients = past.history[i][j] @ TO_COEFFICIENTS.T
         values[:, here] = chebyshev.chebval(x, coefficients.T)
     return values
@@ -279,5 +292,7 @@ def _crossing(overlap):
     after = opposite[0]
     before = after - 1
     # The overlap is taken as straight between both points.
-    part = overlap[before] / (overlap[before] - overlap[after])
-    return float(SHARES[before] + (SHARES[after] - SHARES[before]) * part)
+    fall = overlap[before] - overlap[after]
+    part = overlap[before] / fall
+    width = SHARES[after] - SHARES[before]
+    return float(SHARES[before] + width * part)
