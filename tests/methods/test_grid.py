@@ -465,8 +465,9 @@ def test_cells_are_those_of_the_longest_rod():
 
 
 def test_a_time_step_gives_the_cells():
-    """A step of 0.03 s is asked for. Each rod has as many cells as waves cross in such
-    a step or more; the step is shortened to a whole number of them.
+    """A step of 0.03 s is asked for. Each rod has as many cells as it can if waves take
+    this step or longer to cross one; then the step is shortened, so that a whole number
+    of steps ends at `until`.
     """
     n_steps = math.ceil(2.0 / 0.03)  # 67 of 29.85 ms
 

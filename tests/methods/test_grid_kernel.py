@@ -151,6 +151,11 @@ def chain_of_links():
     return record_lists.as_objects(records)
 
 
+FIRST_LINK = 0
+LAST_LINK = 11
+LARGEST_SPEED = 1.0  # m/s, of the bodies
+
+
 def forces_of(links):
     """Force of each link, N."""
     return [link.force for link in links]
@@ -173,10 +178,9 @@ def test_newton_solves_a_chain_of_stiff_links_in_few_sweeps(monkeypatch):
 
     monkeypatch.setattr(contacts, "gauss_seidel_sweep", count_and_sweep)
 
-    has_converged = contacts.solve_chain(links, 0, 11, 1.0)
+    has_converged = contacts.solve_chain(links, FIRST_LINK, LAST_LINK, LARGEST_SPEED)
 
     assert has_converged
-
     # The closing without forces, 0.1, less what the forces take, leaves F = k w/2.
     neighbours = np.eye(12, k=1) + np.eye(12, k=-1)
     mobility = np.eye(12) - 0.49 * neighbours
@@ -203,7 +207,7 @@ def test_no_newton_step_follows_the_last_sweep_of_a_chain(monkeypatch):
     monkeypatch.setattr(contacts, "gauss_seidel_sweep", sweep_and_keep)
     monkeypatch.setattr(contacts, "MAX_SWEEPS", 1)
 
-    has_converged = contacts.solve_chain(links, 0, 11, 1.0)
+    has_converged = contacts.solve_chain(links, FIRST_LINK, LAST_LINK, LARGEST_SPEED)
 
     assert not has_converged
     (forces_of_last_sweep,) = forces_of_sweeps

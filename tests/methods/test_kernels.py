@@ -138,7 +138,9 @@ def test_a_log_that_is_full_grows_and_the_run_goes_on(monkeypatch, compiling):
 @pytest.mark.exhaustive
 @pytest.mark.skipif(not kernels.enabled(), reason="compiling is disabled")
 def test_a_variable_with_which_numba_does_not_start_is_named():
-    """Nothing is compiled, and no error is raised."""
+    """With NUMBA_NUM_THREADS = 0 `warm` compiles nothing and raises no error; a warning
+    names the variable.
+    """
     code = "import rodimpact as ri; print(ri.warm())"
     done = subprocess.run(
         [sys.executable, "-c", code],

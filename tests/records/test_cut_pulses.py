@@ -174,7 +174,7 @@ def test_mistakes_of_cut_pulses_are_named(shot):
     incident, reflected, transmitted = cut_pulses(shot)
     pulses = ri.CutPulses(incident, reflected, transmitted)
     with pytest.raises(ri.InvalidModel, match="either pulses or gauges"):
-        ri.reduce(incident, None, BAR, SPECIMEN, pulses=pulses)
+        reduced(pulses, input_gauges=incident)
     with pytest.raises(ri.InvalidModel, match="must be a CutPulses"):
         reduced(incident)
     elsewhere = reflected.replace(distance=0.5)
