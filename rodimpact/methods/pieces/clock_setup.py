@@ -23,7 +23,7 @@ from .initial_lines import jumps_of, segments_of, varies
 
 
 def own_laws(row: Row) -> Functions:
-    """Laws of the user in a row: pairs of the number of a link and its function."""
+    """Laws of the user in a row, as pairs: the number of a link, and its function."""
     laws = []
     for law, i in zip(row.system.contacts, row.contact_link, strict=True):
         if isinstance(law, model.Law):
@@ -32,9 +32,9 @@ def own_laws(row: Row) -> Functions:
 
 
 def has_profiles(row: Row) -> bool:
-    """Whether an initial velocity or strain, or what acts on an end of the row, varies.
+    """Whether an initial velocity or strain, or the value at an end of the row, varies.
 
-    It varies if it is a profile over place or time, not a number; see `varies`.
+    It varies if it is a profile in space or time, not a number; see `varies`.
     """
     for rod, _, _ in segments_of(row):
         if varies(rod.velocity, rod.strain):
@@ -43,22 +43,23 @@ def has_profiles(row: Row) -> bool:
 
 
 def closing_velocity(row: Row) -> Any:
-    """Largest velocity with which rigid masses may close, m/s.
+    """Largest velocity with which rigid masses may close at first, m/s, by member.
 
-    It is 1 where none approaches another.
+    It is the largest minus the smallest velocity in the row, or 1 if all are equal.
     """
-    speeds = velocities_of(row)
-    v = largest(speeds) - smallest(speeds)
+    velocities = velocities_of(row)
+    v = largest(velocities) - smallest(velocities)
     return np.where(v > 0, v, 1.0)
 
 
 def contact_times(row: Row) -> dict[int, Any]:
-    """Estimated contact time of each compliant link between rigid masses, s, by number.
+    """Estimated contact time of each compliant link between rigid masses, s.
 
-    The time is a number, or an array by member. A mass m that closes with velocity v on
-    F = k d^p stops where m v^2/2 = k d^q/q with q = p + 1, so at d = (q m/(2 k))^(1/q)
-    v^(2/q). It takes about d/v, and comes back: the time is 3 d/v. All masses count as
-    the largest, v is the largest closing velocity, or 1 m/s where nothing closes.
+    The keys are the numbers of the links; a time is a number, or an array by member. A
+    mass m that closes with velocity v against F = k d^p stops where
+    m v^2/2 = k d^q/q with q = p + 1, at the overlap d = (q m/(2 k))^(1/q) v^(2/q). It
+    takes about d/v to stop, and as long to return: the estimate is 3 d/v. m is the
+    largest mass, and v is `closing_velocity`.
     """
     v = closing_velocity(row)
     times = {}
@@ -66,7 +67,7 @@ def contact_times(row: Row) -> dict[int, Any]:
         if np.any(np.asarray(link.stiffness) > 0):  # it is compliant
             q = link.exponent + 1
             depth_factor = (q / 2 * largest(row.masses) / link.stiffness) ** (1 / q)
-            # d is depth_factor v^(2/q), which is divided by v.
+            # 3 d/v with d = depth_factor v^(2/q)
             times[i] = 3 * depth_factor * v ** (2 / q - 1)
     return times
 
@@ -74,32 +75,33 @@ def contact_times(row: Row) -> dict[int, Any]:
 def reference_time(row: Row, until: float | None) -> Any:
     """Longest transit time of a segment, s; a number, or an array by member.
 
-    Without rods it is `until`, unless that is None or 0; else the longest time of a
-    contact or a flight, and 1 where there is none of these.
+    Without rods it is `until`. If this is None or 0, it is the longest of the contact
+    times and of the times in which gaps are crossed, or 1 if all of them are 0.
     """
     if row.segments:
         return largest([s.transit_time for s in row.segments])
     if until:
         return until
-    flights = [link.gap / closing_velocity(row) for link in row.links]
-    longest = largest([*flights, *contact_times(row).values()])
+    flight_times = [link.gap / closing_velocity(row) for link in row.links]
+    longest = largest([*flight_times, *contact_times(row).values()])
     return np.where(longest > 0, longest, 1.0)
 
 
 def refuse_short_contacts(row: Row, tick: Any) -> None:
-    """Raise InvalidModel if a contact lasts too few ticks to be followed.
+    """Raise InvalidModel if a contact between rigid masses lasts too few ticks.
 
-    The row has no rods. `tick` is the duration of a tick, s. The error names the first
-    such contact. Where nothing moves no contact closes, and none is refused.
+    The row must have no rods. `tick` is the duration of a tick, s. The error names the
+    first contact whose estimated time is at most MIN_TRANSIT ticks. Members in which
+    all velocities are equal are left out: no contact closes there.
     """
-    speeds = velocities_of(row)
-    moving = largest(speeds) > smallest(speeds)
+    velocities = velocities_of(row)
+    moves = largest(velocities) > smallest(velocities)  # by member
     times = contact_times(row)
     for k, i in enumerate(row.contact_link):  # contact k is link i
         if i not in times:  # it is not compliant
             continue
-        is_short = times[i] <= MIN_TRANSIT * tick
-        if not np.any(moving & is_short):
+        is_short = times[i] <= MIN_TRANSIT * tick  # by member
+        if not np.any(moves & is_short):
             continue
         short = float(np.min(times[i]))
         sentence = (
@@ -111,10 +113,10 @@ def refuse_short_contacts(row: Row, tick: Any) -> None:
 
 
 def velocity_scale(row: Row, time: Any) -> Any:
-    """Scale of velocities, m/s, a number or an array by member; 1 where nothing moves.
+    """Scale of velocities, m/s, a number or an array by member; 1 where it would be 0.
 
-    With rods it is `row.scale`. Without rods it follows from `time`, s, for which
-    forces act.
+    With rods it is `row.scale`. Without rods it is `scale_without_rods`, for forces
+    that act for `time`, s.
     """
     if row.segments:
         scale = np.asarray(row.scale)
@@ -128,14 +130,14 @@ def member_clock(
 ) -> tuple[float, list[int]]:
     """Duration of a tick of one member, s, and its `times` in ticks.
 
-    `times`, s, are the transit times of the segments, then others. The clock counts to
-    `end`, s; `longest` is the longest transit or the reference time, s, and a whole
-    number of ticks.
+    `times`, s, are the transit times of the segments, then other times. `longest`, s,
+    is the longest transit time, or the reference time of a row without rods: it becomes
+    a whole number of ticks. The clock must count to `end`, s.
 
     Raises
     ------
     InvalidModel
-        If no clock counts to the end, or a transit time is too few ticks.
+        If no clock counts to the end, or a transit time is at most MIN_TRANSIT ticks.
     """
     longest_ticks, counted = count_ticks(times, longest, end)
     if longest_ticks == 0:  # there is no clock
@@ -151,18 +153,19 @@ def member_clock(
 def family_clock(
     row: Row, until: float | None
 ) -> tuple[Clock, dict[tuple[int, float], int]]:
-    """The clock of a family, and the places of jumps inside segments, in ticks.
+    """The clock of a family, and the jumps inside segments, in ticks.
 
-    The clock counts transit times, and times to jumps, in whole ticks, for each member;
-    `until` is the end of the run, s, or None for the default horizon. The second result
-    has an entry for each jump of `jumps_of`: its segment and share of the length, and
-    the ticks of a wave from the left end of the segment to it.
+    The clock of each member counts transit times, and the times to jumps, in whole
+    ticks. `until` is the end of the run, s, or None for the default horizon. The second
+    result is a dictionary of the jumps of `jumps_of`. A key is the segment of the jump
+    and its share of the length; the value is the time that a wave takes from the left
+    end of the segment to the jump, ticks.
 
     Raises
     ------
     InvalidModel
-        If transit times are too far apart for one clock, the run is too long for it,
-        or a contact of a row without rods is too short.
+        If transit times are too unequal for one clock, the run is too long for it, or a
+        contact in a row without rods is too short.
     """
     transits = [s.transit_time for s in row.segments]
     reference = reference_time(row, until)
@@ -171,11 +174,12 @@ def family_clock(
     crossing_time = crossing_time_of(row)
     flight_time = flight_time_of(row, scale)
     jump_times = [share * transits[s] for s, share in jumps]
-    # Times that are counted, [time, member]: transit times, then times to jumps
+    # Times that are counted: transit times, then times to jumps. `row.of` gives an
+    # array with a number for each member.
     counted_times = [row.of(time) for time in (*transits, *jump_times)]
-    by_time = np.array(counted_times).reshape(-1, row.members)
-    times_of_members = by_time.T.tolist()
-    longest_times = row.of(reference)  # `of` gives a number for each member
+    by_time = np.array(counted_times).reshape(-1, row.members)  # [time, member]
+    times_of_members = by_time.T.tolist()  # [member][time]
+    longest_times = row.of(reference)
     crossing_times = row.of(crossing_time)
     flight_times = row.of(flight_time)
     segment_count = len(transits)
@@ -188,21 +192,23 @@ def family_clock(
         if until is None:
             crossing = float(crossing_times[m])
             flight = float(flight_times[m])
-            end = rule.default_horizon(longest, crossing, flight, 1.0)
+            share = 1.0  # of the default: all of it
+            end = rule.default_horizon(longest, crossing, flight, share)
         else:
             end = until
         end_by_member[m] = end
         tick_by_member[m], counted = member_clock(row, times, longest, float(end))
         transit_ticks[:, m] = counted[:segment_count]
-    # The clock has arrays of the shape of the family.
+    # The numbers of the clock are arrays of the shape of the family.
     shape = row.system.shape
     tick: Any = tick_by_member.reshape(shape)
     last_tick: Any = np.rint(end_by_member.reshape(shape) / tick)
+    # One array for each segment
     by_segment: Any = [*transit_ticks.reshape((segment_count, *shape))]
     if not row.segments:
         refuse_short_contacts(row, tick)
     clock = Clock(row, tick, by_segment, row.frame, scale, reference, last_tick)
-    # Only a single row, not a family, has states that jump: its only member was the
-    # last one in the loop, so that `counted` is of it.
+    # Only a single row has jumps, a family has none. The loop ran once then, so that
+    # `counted` belongs to its only member.
     jump_ticks = counted[segment_count:]
     return clock, dict(zip(jumps, jump_ticks, strict=True))

@@ -1,6 +1,6 @@
 """Pieces of all lines at t = 0.
 
-First come the waves under way in segments, then waves from outside.
+These are the waves that are in the segments at t = 0, and the signals from outside.
 """
 
 import math
@@ -19,30 +19,31 @@ from .layout import InitialLine, RunRequest
 from .records import MAX_HARD_ORDER, NONE, PIECE
 
 EXACT_FIT = 2.0**-48
-"""Largest miss of waves of an earlier run, over the velocity scale."""
+"""Largest error of pieces that fit the state of an earlier run, over velocity scale."""
 JUMP_RTOL = 1e-12
-"""Largest distance of two places of the same jump, over the segment length."""
+"""Largest distance of two positions of the same jump, over the segment length."""
 
 
 def segments_of(row: Row) -> Iterator[tuple[Any, int, Any]]:
-    """Yield for each segment its rod, its number, and where it begins in the rod, m.
+    """Yield for each segment its rod, its number, and its start in the rod, m.
 
-    Segments are numbered through the row, from 0 on. Bodies without segments yield
-    nothing.
+    Segments are numbered through the whole row, from 0 on. Masses and walls have no
+    segments.
     """
     for body, (first, last) in zip(row.system.bodies, row.spans, strict=True):
         begin: Any = 0.0
-        for s in range(first - 1, last):  # none of a wall or a mass, whose span is 1, 0
+        # Spans count segments from 1. A wall or a mass has the span 1, 0: no segments.
+        for s in range(first - 1, last):
             yield body, s, begin
             begin = begin + row.segments[s].length
 
 
 def jumps_of(row: Row) -> list[tuple[int, float]]:
-    """Jumps of the initial velocity and strain inside segments, of `Steps` only.
+    """Jumps of initial velocities and strains inside segments, of `Steps` only.
 
-    Each is a pair: the number of its segment, and the share of the length of the
-    segment on the left of it. Jumps at the ends of segments are left out; one that
-    velocity and strain share stands twice.
+    Each is a pair: the number of the segment, and the distance of the jump from the
+    left end of the segment over its length. Jumps at the ends of segments are left out.
+    A jump of both velocity and strain is listed twice.
     """
     jumps = []
     for rod, s, begin in segments_of(row):
@@ -57,18 +58,15 @@ def jumps_of(row: Row) -> list[tuple[int, float]]:
 
 
 def varies(*profiles: Any) -> bool:
-    """Whether one of these values varies in space or time.
-
-    Such a value is a profile, not a number.
-    """
+    """Whether one of these values is a profile in space or time, not a number."""
     return any(isinstance(value, Steps | Samples | Polynomials) for value in profiles)
 
 
 def records_of_family(objects: list[Any], record: Any, row: Row) -> Any:
-    """Records, [member, i], of objects, as an array of the dtype `record`.
+    """Array [member, i] of records of the dtype `record` from a list of objects, [i].
 
     A field of an object is a number, an array with one number for each member, or a
-    list of such numbers. Lists of lists are left 0, see `_copy_list`.
+    list of these. Lists of lists are not copied: such fields are 0, see `_copy_list`.
     """
     records = np.zeros((*row.system.shape, len(objects)), record)
     for i, source in enumerate(objects):
@@ -82,46 +80,47 @@ def records_of_family(objects: list[Any], record: Any, row: Row) -> Any:
 
 
 def _copy_list(target: Any, values: list[Any]) -> None:
-    """Copy a list of numbers, or of arrays by member, to a field of records.
+    """Copy a list of numbers, or of arrays by member, to a field of blank records.
 
-    The last axis of `target` is the place in the list. The records are still 0. Lists
-    of lists are values over a piece: nothing has set them, so they stay 0.
+    The last axis of `target` is the index in the list. A list of lists has the values
+    of two waves over a piece, which nothing has set yet: they stay 0.
     """
     for j, number in enumerate(values):
         if isinstance(number, list):
             return
-        # A plain 0 is there already; most numbers of a piece are such zeros.
+        # A blank record has zeros already, and most numbers in a list are zeros.
         is_zero = type(number) is float and number == 0.0
         if not is_zero:
             target[..., j] = number
 
 
 class OutsideSignal(NamedTuple):
-    """The signal of a line from outside, made of the value u(t) that acts on an end.
+    """How the signal of a line from outside follows from the value u(t) at an end.
 
-    It is factor * u(t) + start + slope * t: a velocity in the frame, a force, or a
-    wave.
+    The signal is factor * u(t) + start + slope * t. It is a velocity in the frame, a
+    force, or a wave.
     """
 
-    factor: Any  # m/s by strain; 1 for velocities and forces
+    factor: Any  # m/s for a strain u (the signal is a wave); else 1
     start: Any  # m/s or N
     slope: Any  # m/s^2
 
 
 class InitialLines:
-    """Pieces of all lines that begin at t = 0 or before.
+    """Pieces of all lines that are known at t = 0.
 
     Attributes
     ----------
     log : list of [member, piece] PIECE
-        Line by line: two a segment, then those from outside.
+        One array for each line: two lines for each segment, then those from outside.
     lines : list of InitialLine
-        What each line holds.
+        Numbers of the pieces of each line.
     outside : list of int
-        Lines from outside to the left and right end, NONE for the free end of a rod.
+        Numbers of the lines from outside to the left and right end, NONE for the free
+        end of a rod.
     fit : float
-        Largest miss of a profile by its pieces, or of a function by its samples,
-        relative to the velocity scale.
+        Largest difference of a profile from its pieces, or of a function from its
+        samples, relative to the velocity scale.
     carried : float
         Stated error of the run from whose state this one goes on, relative to the
         velocity scale.
@@ -134,14 +133,15 @@ class InitialLines:
         jumps: dict[tuple[int, float], int],
         request: RunRequest,
     ) -> None:
-        """Make the pieces of all lines: two for each segment, then those from outside.
+        """Make the pieces of all lines: two lines for each segment, then from outside.
 
-        `jumps` are those of `family_clock`: ticks by segment and share of its length.
-        This sets all attributes of the class.
+        All attributes of the class are set. `jumps` are the ticks of jumps inside
+        segments, as of `family_clock`: the keys are the segment and the share of its
+        length.
         """
         self._row = row
         self._clock = clock
-        self._jumps = jumps  # ticks, by segment and share of its length
+        self._jumps = jumps
         self._request = request
         self.log = list[Any]()
         self.lines = list[InitialLine]()
@@ -152,19 +152,20 @@ class InitialLines:
         self.outside = [self._add_outside(side) for side in (0, 1)]
 
     def _add(self, pieces: Any) -> int:
-        """Append pieces, [member, piece], to `log` and an `InitialLine` to `lines`.
+        """Append a line with these pieces, [member, piece]; return its number.
 
-        Return the number of the line. Two fields of the pieces are set: their line, and
-        `next`, the row of the following one in the joined log.
+        The pieces are appended to `log`, their numbers to `lines`. Their fields `line`
+        and `next` are set. `next` is a row of the log of the run, in which the pieces
+        of all lines follow each other.
         """
         number = len(self.log)
-        # Row of the joined log at which the line begins
+        # Row of the log of the run at which the line begins
         first_row = sum(line.piece_count for line in self.lines)
         count = pieces.shape[1]
         pieces["line"] = number
         pieces["next"] = [*range(first_row + 1, first_row + count), NONE]
-        # Breaks and duration are those of the first member: members of a family have a
-        # single piece each.
+        # Breaks and duration are taken from the first member: if there are more
+        # members, each has a single piece. The start of the first piece is no break.
         is_hard = pieces["break_order"][0, 1:] <= MAX_HARD_ORDER
         hard_breaks = int(np.sum(is_hard))
         duration = int(pieces["end"][0, -1] - pieces["start"][0, 0])
@@ -182,12 +183,15 @@ class InitialLines:
     ) -> Any:
         """Pieces, [piece], that fit a signal between two ticks.
 
-        `signal`, m/s, is already the sum of `profiles` times their factors; the
-        profiles only give their kinds and their errors. Polynomials along a rod are the
-        state of an earlier run: they are kept but for round-off. All else, also those
-        of a drive (`is_drive`), is fitted within a quarter of the tolerance. Two
-        attributes, errors over the velocity scale, are raised: `fit` by the largest
-        miss and by the errors of samples, `carried` by the errors of polynomials.
+        `signal`, m/s, is the sum of `profiles` times their factors; the profiles are
+        needed only for their types and errors. `Polynomials` along a rod are the state
+        of an earlier run: they are fitted to round-off. Other signals, including
+        `Polynomials` over time (`is_drive`), are fitted within a quarter of the
+        tolerance.
+
+        Two attributes of this class, relative to the velocity scale, are raised if an
+        error is larger: `fit` to the error of the fit and to those of samples,
+        `carried` to those of polynomials.
         """
         scale = float(self._clock.scale)
         # A quarter of the tolerance of pieces, m/s
@@ -212,11 +216,11 @@ class InitialLines:
         return pieces
 
     def _add_under_way(self, s: int, rod: Any, begin: Any) -> None:
-        """Add the lines of both waves in segment s at t = 0.
+        """Add the lines of the two waves that are in segment s of a rod at t = 0.
 
         They are a = v - c strain, to the right, and b = v + c strain, to the left, m/s,
         with the strain of the rod and its velocity v in the frame. The segment begins
-        in its rod at `begin`, m. Where v or the strain vary there is one member only.
+        in the rod at `begin`, m. If v or the strain vary, there is only one member.
         """
         frame = self._clock.frame
         transit = self._clock.transits[s]
@@ -231,32 +235,34 @@ class InitialLines:
         strain = profile_pieces.signal_of(rod.strain, rod.length, ticks_of)
         profiles = ((rod.velocity, 1.0), (rod.strain, c))
         T = int(transit)
-        # The part of a at x reaches the right end at T - x/c: it left the left end x/c
-        # before t = 0, so that time runs against x.
+        # `v` and `strain` are functions of the ticks x/c from the left end. The value
+        # of a at x left the left end x/c before t = 0, at tick -x/c: time runs against
+        # x, and the pieces are reversed.
         a = (v + strain.times(-c)).plus(-frame)
         mirrored_pieces = self._fit_pieces(a, 0, T, *profiles)
         a_pieces = profile_pieces.backwards(mirrored_pieces)
-        self._add(a_pieces[None])  # [member, piece]
-        # The part of b at x left the right end T - x/c before t = 0.
+        self._add(a_pieces[None])  # [member, piece], with one member
+        # The value of b at x left the right end at tick -(T - x/c) = x/c - T.
         b = (v + strain.times(c)).plus(-frame).delayed(-T)
         b_pieces = self._fit_pieces(b, -T, 0, *profiles)
         self._add(b_pieces[None])
 
     def _ticks_in_segment(self, s: int, begin: Any) -> Callable[[Any], Ints]:
-        """A function of places in a rod, m: the ticks that a wave takes to them.
+        """A function that converts positions in a rod, m, to ticks.
 
-        The wave comes from the left end of segment s. Segment s begins in the rod at
-        `begin`, m. A jump is at the ticks that the clock gave it.
+        The ticks are the time that a wave takes from the left end of segment s to the
+        position, rounded. The segment begins in the rod at `begin`, m. For the position
+        of a jump, they are the ticks that the clock has counted to it.
         """
         segment = self._row.segments[s]
         transit = self._clock.transits[s]
-        jump_ticks = []
+        jump_ticks = []  # pairs: share of the length, ticks
         for (jump_segment, share), tick in self._jumps.items():
             if jump_segment == s:
                 jump_ticks.append((share, tick))
 
         def ticks_of(x: Any) -> Ints:
-            """Ticks from the left end of the segment to places x in the rod, m."""
+            """Ticks from the left end of the segment to positions x in the rod, m."""
             shares = (x - begin) / segment.length
             ticks = np.rint(shares * transit).astype(np.int64)
             for share, tick in jump_ticks:
@@ -266,10 +272,11 @@ class InitialLines:
         return ticks_of
 
     def _add_outside(self, side: int) -> int:
-        """Add the line from outside of an end; return its number.
+        """Add the line from outside to an end of the row; return its number.
 
-        For the free end of a rod nothing is added, and NONE is returned; a free rigid
-        mass gets a line of force 0. `side` is 0 on the left, 1 on the right.
+        `side` is 0 on the left, 1 on the right. For the free end of a rod no line is
+        added, and NONE is returned. The free end of a rigid mass gets a line with the
+        force 0.
         """
         row = self._row
         kind, value = row.boundaries[side]
@@ -283,20 +290,23 @@ class InitialLines:
         return self._add(pieces)
 
     def _ends_with_rod(self, side: int) -> bool:
-        """Whether no rigid mass stands at an end: 0 on the left, 1 on the right."""
-        # The node k has the masses from first[k] to before first[k + 1].
+        """Whether the outermost body at an end is a rod, not a rigid mass.
+
+        `side` is 0 on the left, 1 on the right.
+        """
+        # Node k has the masses first[k] to first[k + 1] - 1: none if both are equal.
         first = self._row.first_mass
         if side == 0:
             return bool(first[0] == first[1])
         return bool(first[-2] == first[-1])
 
     def _outside_signal(self, side: int) -> OutsideSignal:
-        """How the signal of an end follows from the value that acts there.
+        """Factor, start and slope of the signal from outside at an end of the row.
 
-        It does so by factor, start and slope, see `OutsideSignal`, which depend on the
-        kind of the end. `side` is 0 on the left, 1 on the right. A velocity counts in
-        the frame, which falls; a force acts as it is. The wave out of an endless rod is
-        the one that the end sends inward at t = 0, and what the strain adds.
+        They depend on the kind of the end. `side` is 0 on the left, 1 on the right. The
+        signal of a moved end is its velocity relative to the frame, which falls under
+        gravity. The signal of a pushed end is the force. The signal of an endless rod
+        is the wave that this end sends inward at t = 0, plus the wave of the strain.
         """
         row = self._row
         kind, _ = row.boundaries[side]
@@ -306,7 +316,8 @@ class InitialLines:
             )
         if kind == "absorbing":
             pieces = self.log[self._line_inward(side)]  # [member, piece]
-            # Each Chebyshev polynomial is 1 at the end of the last piece, at t = 0.
+            # The last piece ends at t = 0. All Chebyshev polynomials are 1 at its end,
+            # so that its value there is the sum of the coefficients.
             last_series = pieces[:, -1]["coefficients"]
             start = last_series.sum(axis=1).reshape(row.system.shape)
             return OutsideSignal(
@@ -315,62 +326,62 @@ class InitialLines:
         return OutsideSignal(factor=1.0, start=0.0, slope=0.0)
 
     def _line_inward(self, side: int) -> int:
-        """Line on which the left (0) or right (1) end of the row sends waves inward.
+        """Number of the line on which an end of the row sends waves inward.
 
-        Segment s, from 0 on, has the line 2 s to the right and the line 2 s + 1 to the
-        left.
+        `side` is 0 on the left, 1 on the right. Segment s, from 0 on, has line 2 s to
+        the right and line 2 s + 1 to the left.
         """
         if side == 0:
-            return 0
+            return 0  # segment 0, to the right
         last = len(self._row.segments) - 1
         return 2 * last + 1
 
     def _steady(self, value: Any, signal: OutsideSignal) -> Any:
-        """The piece, [member, 1], of a value that is constant.
+        """The piece, [member, 1], of the signal from outside for a constant value.
 
-        The value acts on an end; `signal` makes the wave, velocity or force of it. This
-        is constant for ever. In a frame that falls it is a straight line, in a piece up
-        to a tick after the end of the run, which is given then.
+        `signal` says how it follows from the value. If its slope is 0, the piece is
+        constant and lasts for ever. Otherwise, for a velocity under gravity, it is a
+        straight line up to a tick after the end of the run, `until` of the request.
         """
         tick = self._clock.tick
         if np.any(np.asarray(signal.slope) != 0):  # a velocity, whose factor is 1
-            stop = np.rint(self._request.until / tick) + 1  # a tick more than the run
-            # The straight line is middle + half y.
-            half = signal.slope * stop * tick / 2
-            middle = signal.start + value + half
-            piece = layout.piece_of(0, stop, [middle, half])
+            stop = np.rint(self._request.until / tick) + 1
+            # The straight line is mean + half_rise y, with y from -1 to 1.
+            half_rise = signal.slope * stop * tick / 2
+            mean = signal.start + value + half_rise
+            piece = layout.piece_of(0, stop, [mean, half_rise])
         else:
             piece = layout.constant_wave(signal.start + value * signal.factor)
         return records_of_family([piece], PIECE, self._row)
 
     def _varying(self, kind: str, value: Any, signal: OutsideSignal) -> Any:
-        """Pieces, [1, piece], of a value that varies over time.
+        """Pieces, [1, piece], of the signal from outside for a value that varies.
 
-        The value acts on an end of this `kind`. The pieces fit the signal of the line:
-        factor * value + start + slope * t, see `OutsideSignal`. There is one member:
-        what acts on the ends of a family is constant in time.
+        `value` is a profile over time, which acts on an end of the row of this `kind`.
+        The pieces fit factor * value + start + slope * t, see `OutsideSignal`. There is
+        only one member, since the values at the ends of a family are constant. `fit`
+        and `carried` may be raised, see `_fit_pieces`.
         """
         until = self._request.until
         assert until is not None  # a drive demands an end of the run
         tick = float(self._clock.tick)
-        # A tick more than the run, which lasts one at least: the signal has a value at
-        # its last instant, too.
+        # One tick more than the run, so that the signal has a value at the last
+        # instant. A run counts as one tick at least.
         stop = round(max(until, tick) / tick) + 1
 
         def ticks_of(t: Any) -> Ints:
             """Ticks from t = 0 to times, s."""
             return np.rint(t / tick).astype(np.int64)
 
-        given = profile_pieces.signal_of(value, until, ticks_of)
-        drive = given.times(float(signal.factor)).plus(float(signal.start))
+        u = profile_pieces.signal_of(value, until, ticks_of)
+        drive = u.times(float(signal.factor)).plus(float(signal.start))
         if signal.slope:
             ramp = np.array([0.0, signal.slope * stop * tick])  # values at 0 and `stop`
             drive = drive + Pieces.through([0, stop], ramp)
-        # Velocity that a unit of the value makes, for the error of the value
+        # Velocity that a unit of the value makes: it converts the error of the value
         if kind == "force":
-            # F changes the wave that leaves its end by 2 F/Z, and the end itself by
-            # F/Z. Where the wave goes on into other segments it is at most 2 F over the
-            # least Z. Without rods it is 0.
+            # A force F changes the wave that leaves its end by 2 F/Z. In other segments
+            # the wave is at most 2 F over the smallest Z. Without rods 0 is taken.
             impedances = [float(segment.impedance) for segment in self._row.segments]
             velocity_per_value = 2 / min(impedances, default=math.inf)
         else:
