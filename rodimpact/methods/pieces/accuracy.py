@@ -1,8 +1,9 @@
-"""Error of a run.
+"""Stated error of a run.
 
-It follows from a second run with other steps, and from what both runs share. The second
-run has a coarser tolerance, and halves what the tolerance does not limit. So there is
-no piece that both runs have, but by chance. The page has this as JavaScript.
+The run, "fine" here, is compared with a second run, "coarse". The second run has a
+coarser tolerance, and halves the pieces that the tolerance does not limit, so that both
+runs have no piece in common, except by chance. Errors that both runs share are added.
+The web page has these functions as JavaScript.
 """
 
 import math
@@ -17,60 +18,61 @@ from .records import Part
 COARSER = 3.0
 """Tolerance of the second run over that of the first.
 
-Errors of both differ by some three then. A larger factor would make the difference
-larger than the error; with a smaller one both agree by chance too often.
+Errors of both runs then differ by a factor of about three. With a larger factor the
+difference of the runs would be much larger than the error of the first one; with a
+smaller factor both runs would agree by chance too often.
 """
-COARSER_FLOOR = 2
-"""Least duration of pieces in the second run over the first, at dense breaks."""
+COARSER_SPACING = 2
+"""`min_break_spacing` of the second run over that of the first."""
 ROUND_OFF = 2.2e-16
 """Relative round-off of a number.
 
-Those of the steps of a run have both signs: n make sqrt(n).
+The round-offs of n steps have both signs: their sum is about sqrt(n) times as large.
 """
 ROUND_OFFS_OF_STEP = 8
-"""Round-offs of the sums of one step, over that of a number.
-
-So precisely forces satisfy their laws as well; where they make velocities that are
-larger than the scale and cancel, that counts as much more.
-"""
+"""Round-off of the sums in one step, over that of a number."""
 DIFFERENCE_FACTOR = 5.0
-"""Stated error over the difference of two runs."""
+"""Stated error over the difference of the two runs."""
 LEAST_SHARE = 0.1
-"""Least error of every measure over the worst difference: some agree by chance."""
+"""Least error of each measure over the worst difference: some agree by chance."""
 SHARED_FACTOR = 0.2
-"""Stated error over the estimate for pieces that breaks limit.
+"""Stated error over `shared_error`, the estimate for pieces that breaks limit.
 
-The estimate is that of a series; collocation integrates more precisely.
+The estimate is for a series; collocation integrates more precisely.
 """
 PEAK_FACTOR = 2.0
-"""Stated error of peaks over the estimate for the pieces in which they may be."""
+"""Stated error of peak forces over the difference of their bounds from them."""
 EVENT_FACTOR = 1.0
-"""Stated error of times over the estimate for the pieces in which events are."""
+"""Stated error of times over the largest `event_error`."""
 LOOSE_FACTOR = 2e7
-"""Error over tail^2.5: errors of loose tolerances do not fall evenly."""
+"""Error over t^LOOSE_POWER, with the largest truncation error t over velocity scale.
+
+Errors at loose tolerances do not fall evenly with the tolerance.
+"""
 LOOSE_POWER = 2.5
-"""Exponent of that tail."""
+"""Exponent of this truncation error."""
 FIT_FACTOR = 4.0
-"""Stated error over the miss of a given function by its pieces."""
+"""Stated error over the difference of given functions from their pieces."""
 UNTIMED_MEASURES = 3
-"""Number of measures that are no times.
+"""Number of measures that are not times: velocity, impulse and peak force.
 
 They come first, and their errors fall evenly.
 """
+# Index of each measure in `MEASURES`
 VELOCITY = 0
-"""Place of the velocity among the measures."""
+"""Velocities."""
 IMPULSE = 1
-"""Place of the impulse among them."""
+"""Impulses of contacts and joints."""
 PEAK_FORCE = 2
-"""Place of the peak force among them."""
+"""Peak forces of contacts and joints."""
 DURATION = 3
-"""Place of the durations of contacts among them."""
+"""Force durations."""
 TIME = 4
-"""Place of the times at which contacts begin and end among them."""
+"""Times at which contacts begin and end."""
 
 
 class Ended(NamedTuple):
-    """Records of a run that has come to its end."""
+    """Records of a run that has ended."""
 
     run: Any  # RUN
     links: Any  # list of LINK
@@ -78,23 +80,24 @@ class Ended(NamedTuple):
 
 
 def prepare_second_run(fine: Any, coarse: Any) -> None:
-    """Set what runs at a coarser tolerance need to be compared with finer ones.
+    """Set fields of a second run so that it can be compared with the first one.
 
-    Fields of `coarse` are changed. Its pieces that no tolerance limits will be halved:
-    else both runs would have the same. It goes on as long after its proof as `fine`.
-    Where `fine` took means over dense breaks, `min_break_spacing` of `coarse`, up to
-    which a piece with means lasts, becomes COARSER_FLOOR times as long.
+    Fields of `coarse` are changed. `halves_pieces` becomes 1: it halves the pieces that
+    its tolerance does not limit. It goes on after its proof for as long as `fine`. If
+    `fine` has taken averaging steps, `min_break_spacing` of `coarse` becomes
+    COARSER_SPACING times as long.
 
     Parameters
     ----------
     fine, coarse : RUN
-        Runs that have ended, and runs that have not begun; of one member, or of all.
+        The run that has ended, and the one that has not begun. Both may be record
+        arrays with the runs of all members.
     """
     coarse.halves_pieces = 1
     coarse.ticks_after_proof = fine.ticks_after_proof
     coarse.min_break_spacing = np.where(
         fine.averaged_steps > 0,
-        COARSER_FLOOR * coarse.min_break_spacing,
+        COARSER_SPACING * coarse.min_break_spacing,
         coarse.min_break_spacing,
     )
 
@@ -102,20 +105,20 @@ def prepare_second_run(fine: Any, coarse: Any) -> None:
 def hidden_errors(fine: Ended, fit: float) -> list[float]:
     """Relative errors that a second run does not show, [measure] of `MEASURES`.
 
-    All measures have a common error: the round-off of the steps, an error that large
-    truncation errors add, the velocity of parting bodies that counted as rest, and
-    FIT_FACTOR times `fit`, the largest miss of given functions by their pieces; all
-    over the velocity scale.
+    All measures have a common error. It is the sum of the round-off of all steps, an
+    error at loose tolerances, the largest opening velocity that was set to 0, and
+    FIT_FACTOR times `fit`, the largest difference of given functions from their pieces;
+    all are relative to the velocity scale.
 
-    Single values decide peak forces, and times at which contacts close and open: two
-    runs may miss them alike. So peak forces also have what their bounds leave open;
-    durations and times have the error of events, the time in which a force counted as
-    none, and without rods what `add_faint_times` adds. A measure whose values are all 0
-    has the common error only.
+    Peak forces, and the times of events, depend on the value of a signal at one point,
+    which may be wrong by the same amount in both runs. So peak forces have a further
+    error from their bounds. Durations and times have one from the errors of events and
+    from faint forces, and without rods that of `add_faint_times`. If all values of a
+    measure are 0, it has the common error only.
     """
     run = fine.run
-    tail = run.max_truncation_error / run.velocity_scale
-    loose = LOOSE_FACTOR * tail**LOOSE_POWER  # small tails add next to nothing
+    truncation = run.max_truncation_error / run.velocity_scale
+    loose = LOOSE_FACTOR * truncation**LOOSE_POWER  # negligible if it is small
     resting = run.resting_velocity / run.velocity_scale
     # Velocities that the peak forces of the links make, m/s
     velocities = [link.peak_force * link.effective_mobility for link in fine.links]
@@ -124,20 +127,19 @@ def hidden_errors(fine: Ended, fit: float) -> list[float]:
     # Velocities that are larger than the scale, and cancel, have a larger round-off.
     round_off = round_off * max(1.0, strongest)
     common = round_off + loose + resting + FIT_FACTOR * fit
-    errors = [common, common, common, common, common]  # of the `MEASURES`
+    errors = [common, common, common, common, common]  # one for each measure
     values = measures_of(fine)
-    if all(part.kind != Part.SEGMENT for part in fine.parts):
-        # Without rods, contacts press too faintly to be seen at first and at last.
+    if all(part.kind != Part.SEGMENT for part in fine.parts):  # there are no rods
         add_faint_times(fine, errors)
     peak = max_abs(values[PEAK_FORCE])
     if peak > 0:
-        excess = []  # bounds of peaks less the peaks, N
+        excesses = []  # bounds of peak forces minus the peak forces, N
         for link in fine.links:
             if has_peak(link):
-                excess.append(link.peak_force_bound - link.peak_force)
-        errors[PEAK_FORCE] += PEAK_FACTOR * max_abs(excess) / peak
+                excesses.append(link.peak_force_bound - link.peak_force)
+        errors[PEAK_FORCE] += PEAK_FACTOR * max_abs(excesses) / peak
     event_error = EVENT_FACTOR * max_abs([link.event_error for link in fine.links])
-    # Time in which a force acted but counted as none, s
+    # Uncertainty of the ends of faint forces, s
     cut = run.tick_duration * max_abs([link.cut_ticks for link in fine.links])
     for i in range(UNTIMED_MEASURES, len(errors)):  # durations and times
         longest = max_abs(values[i])
@@ -147,14 +149,14 @@ def hidden_errors(fine: Ended, fit: float) -> list[float]:
 
 
 def rounding_errors(ended: Ended, transit_error: float) -> list[float]:
-    """Relative error of each of the `MEASURES` by rounded transit times, [measure].
+    """Relative error of each of the `MEASURES` from rounded transit times, [measure].
 
-    Each has `transit_error`. A wave that has crossed the row several times is shifted
-    by this share of the time, at most by that of the latest time. As forces and
-    velocities change within the longest duration of a force, the shift over this
-    duration is added to velocities, impulses and peak forces. It counts twice for each
-    episode in the durations: at its beginning and at its end. Nothing is added if no
-    force acted.
+    Every measure has the error `transit_error`. In addition, waves are shifted in time,
+    at most by `transit_error` times the latest time of an event. Forces and velocities
+    change within the longest force duration: velocities, impulses and peak forces get
+    the shift over this duration as a further error. Durations get it twice for each
+    episode, for its beginning and its end. Without any force there are no further
+    errors.
 
     Parameters
     ----------
@@ -169,35 +171,33 @@ def rounding_errors(ended: Ended, transit_error: float) -> list[float]:
     errors = [transit_error] * len(values)
     if longest > 0:
         episodes = max([link.episodes for link in ended.links])
-        for i in range(UNTIMED_MEASURES):  # forces, impulses and velocities
+        for i in range(UNTIMED_MEASURES):  # velocities, impulses and peak forces
             errors[i] += shift / longest
         errors[DURATION] += 2 * episodes * shift / longest
     return errors
 
 
 def has_peak(link: Any) -> bool:
-    """Whether a link has a peak force.
-
-    Contacts and joints have one, but no impact, no bond and no push.
-    """
+    """Whether a link has a peak force: contacts and joints, except impact contacts."""
     return bool(link.law >= Law.JOINT and link.law != Law.IMPACT)
 
 
 def add_faint_times(fine: Ended, errors: list[float]) -> None:
-    """Add the relative error of durations and times of a row without rods to `errors`.
+    """Add the error from faint forces to `errors` of durations and times.
 
-    `errors` is a list by measure, and is changed. A contact counts as pressing only
-    once its overlap is the length that `graze_velocity` makes in the reference time of
-    the run. So each episode begins too late and ends too early, by the time in which
-    faces that close with the velocity scale cover this length. A measure whose values
-    are all 0 gets no error.
+    The row must have no rods. `errors`, [measure], is changed. A contact counts as
+    pressing only while its overlap is more than `graze_velocity` times the reference
+    time of the run. So each episode seems to begin too late and to end too early. The
+    error is the time in which faces with the velocity scale cover this overlap, twice
+    for each episode of the contact that has most. It is divided by the largest value of
+    the measure; a measure whose values are all 0 gets no error.
     """
     run = fine.run
     all_episodes = [link.episodes for link in fine.links]
-    episodes = max([1, *all_episodes])  # most of any contact
-    # Share of the reference time, at the beginning and at the end of an episode.
-    # Without rods `shortest_transit` is the reference time.
+    episodes = max([1, *all_episodes])  # of the contact that has most
+    # The factor 2 is for the beginning and the end of an episode.
     ratio = 2 * run.graze_velocity / run.velocity_scale
+    # Without rods, `shortest_transit` is the reference time.
     faint = ratio * run.shortest_transit * run.tick_duration * episodes
     values = measures_of(fine)
     for i in range(UNTIMED_MEASURES, len(errors)):
@@ -207,12 +207,12 @@ def add_faint_times(fine: Ended, errors: list[float]) -> None:
 
 
 def measures_of(ended: Ended) -> list[list[float]]:
-    """Values of a run that the `MEASURES` compare, [measure][value], in SI units.
+    """Values of each of the `MEASURES` in a run, [measure][value], in SI units.
 
-    These are velocities of groups (of parts, where they are bonded to others),
-    impulses, peak forces, force durations and times. A contact has three times: those
-    of its first and last force, and of its last opening. A time that never came is one
-    tick below 0.
+    The measures are velocities of groups (of all parts if bodies are bonded), impulses,
+    peak forces, force durations, and times. Each contact or joint has three times: of
+    its first and last force, and of its last opening. A time that never came is minus
+    one tick.
     """
     run = ended.run
     impulses = []
@@ -230,11 +230,11 @@ def measures_of(ended: Ended) -> list[list[float]]:
             peaks.append(link.peak_force)
     velocities = []
     for part in ended.parts:
-        # Groups go on evenly after the proof, whenever it came;
-        # parts of joined bodies vibrate.
+        # The velocity of a group is constant after the proof. Parts of bonded bodies
+        # still vibrate.
         if run.has_bonds:
             velocities.append(part.mean_velocity)
-        elif part.part_count > 0:  # the first part of a group, which has its motion
+        elif part.part_count > 0:  # the first part of a group
             velocities.append(part.group_velocity)
     return [velocities, impulses, peaks, durations, times]
 
@@ -242,8 +242,9 @@ def measures_of(ended: Ended) -> list[list[float]]:
 def differences(fine: Ended, coarse: Ended) -> list[float]:
     """Largest relative difference of two runs in each of the `MEASURES`, [measure].
 
-    It is relative to the largest absolute value of the finer run, for velocities to the
-    velocity scale; and 0 where all values of the finer run are 0.
+    Differences of velocities are relative to the velocity scale, those of other
+    measures to the largest absolute value in the finer run. If all values of a measure
+    are 0 in the finer run, its difference is set to 0.
     """
     relative = []
     coarse_values = measures_of(coarse)
@@ -263,9 +264,9 @@ def differences(fine: Ended, coarse: Ended) -> list[float]:
 def wave_difference(fine: Ended, coarse: Ended) -> float:
     """Largest difference of the waves of two runs, relative to the velocity scale.
 
-    Compared are their means and first moments over each segment at the last check of
-    finality; 0 is returned if that was at different ticks. The integrals are over y
-    from -1 to 1, so that half of one is a mean.
+    The means and first moments of both waves over each segment, at the last check of
+    finality, are compared. If both runs had this check at different ticks, 0 is
+    returned.
     """
     if fine.run.last_proof_tick != coarse.run.last_proof_tick:
         return 0.0
@@ -274,18 +275,20 @@ def wave_difference(fine: Ended, coarse: Ended) -> float:
         for side in range(2):
             changes.append(part.wave_integrals[side] - other.wave_integrals[side])
             changes.append(part.wave_moments[side] - other.wave_moments[side])
+    # The integrals are over y from -1 to 1: the means are half of them.
     return max_abs(changes) / (2 * fine.run.velocity_scale)
 
 
 def momentum_error(fine: Ended) -> float:
     """Largest error of the velocity of a free group of bodies, over the velocity scale.
 
-    The error is the difference of two velocities of a group: `group_velocity`, by the
-    waves in its rods, which lacks what pieces have lost, and by Newton's law the one at
-    t = 0 plus (impulses from the left - impulses from the right)/m. Groups that a wall
-    or an endless rod holds are left out. 0 is returned where the error is not known: if
-    a force acts on an end of the row, or the cap on steps ended the run, as its nodes
-    are at different times then.
+    The velocity of a group is computed in two ways, and the error is their difference.
+    The first one is `group_velocity`, from the waves in the rods, which contain the
+    errors of all pieces. The second one follows from Newton's law: the velocity at
+    t = 0 plus (impulses from the left - impulses from the right)/m. Groups with a wall
+    or an endless rod are left out. 0 is returned if the error is not known: if a force
+    acts on an end of the row, or if the run stopped at the cap on steps, since its
+    nodes are at different times then.
     """
     run = fine.run
     for link in fine.links:
@@ -305,9 +308,9 @@ def momentum_error(fine: Ended) -> float:
             is_anchor = part.kind >= Part.WALL
             is_free = is_free and not is_anchor
         if is_free and mass > 0:
-            momentum = 0.0  # gained since t = 0
+            momentum = 0.0  # change since t = 0, kg m/s
             for link in fine.links:
-                # A link knows a group by the number of its first part.
+                # `left_group` and `right_group` are numbers of first parts.
                 if link.right_group == first:
                     momentum += link.impulse
                 if link.left_group == first:
@@ -320,22 +323,22 @@ def momentum_error(fine: Ended) -> float:
 def errors_of_two_runs(fine: Ended, coarse: Ended) -> list[float]:
     """Relative error of each of the `MEASURES` of the finer of two runs, [measure].
 
-    It is DIFFERENCE_FACTOR times the difference of both runs in this measure, or times
-    a share of the worst difference, if that is larger: two numbers may agree by chance.
-    The worst is that of velocities, impulses, peak forces, or waves in rods. The share
-    is larger for durations and times that are shorter than `event_lag`: an error of
-    velocities, relative to their scale, moves an event by this part of its lag. The
-    error of pieces that no tolerance limits, which both runs have in common, is added.
-    An error is 0 where all values of the measure are.
+    It is DIFFERENCE_FACTOR times the relative difference of both runs in this measure.
+    As two numbers may agree by chance, at least a share of the worst difference is
+    taken, which is the largest one of velocities, impulses, peak forces and waves. The
+    share is LEAST_SHARE. It is larger for durations and times below the largest
+    `event_lag`: a relative error e of velocities changes the time of an event by
+    e times its lag. SHARED_FACTOR times the error that both runs share, of pieces that
+    no tolerance limits, is added. If all values of a measure are 0, its error is 0.
     """
-    apart = differences(fine, coarse)  # relative, by measure
+    relative = differences(fine, coarse)  # [measure]
     common = SHARED_FACTOR * fine.run.shared_error / fine.run.velocity_scale
-    # Velocities that disagree with the impulses are as wrong as that.
-    apart[VELOCITY] = max(apart[VELOCITY], momentum_error(fine))
+    # The disagreement of velocities and impulses is an error of the velocities.
+    relative[VELOCITY] = max(relative[VELOCITY], momentum_error(fine))
     worst = max(
-        apart[VELOCITY],
-        apart[IMPULSE],
-        apart[PEAK_FORCE],
+        relative[VELOCITY],
+        relative[IMPULSE],
+        relative[PEAK_FORCE],
         wave_difference(fine, coarse),
     )
     lag = max_abs([link.event_lag for link in fine.links])
@@ -346,7 +349,7 @@ def errors_of_two_runs(fine: Ended, coarse: Ended) -> list[float]:
         if i >= UNTIMED_MEASURES and largest > 0:  # durations and times
             share *= max(1.0, lag / largest)
         if largest > 0:
-            error = DIFFERENCE_FACTOR * max(apart[i], share * worst) + common
+            error = DIFFERENCE_FACTOR * max(relative[i], share * worst) + common
         else:
             error = 0.0
         errors.append(error)
@@ -354,5 +357,5 @@ def errors_of_two_runs(fine: Ended, coarse: Ended) -> list[float]:
 
 
 def max_abs(values: list[float]) -> float:
-    """Largest absolute value; 0 of an empty list."""
+    """Largest absolute value; 0 for an empty list."""
     return max([0.0, *[abs(value) for value in values]])
