@@ -1,6 +1,7 @@
-"""From a row, or a family of them, to the records of the kernels, and their runs.
+"""Runs of a row, or of all members of a family.
 
-Plain Python goes first, machine code where that pays.
+The records of all members are made from the row. Kernels run on them in plain Python at
+first, and in machine code where compiling pays.
 """
 
 from collections.abc import Callable, Iterable
@@ -47,33 +48,36 @@ RECORD_TYPES = {
 }
 """Types of the records of a `State`, by its fields."""
 MEMBER_FIELDS = ("runs", "nodes", "links", "masses", "lines", "parts")
-"""Fields of which every member has its own records; the others are handed on."""
+"""Fields of a `State` that each member has for itself; all members share the others."""
 INITIAL_LOG_ROWS = 256
-"""Rows of the log of pieces at first, besides two for each that is known at t = 0."""
+"""Rows of the log of pieces at first, besides two for each piece known at t = 0."""
 INITIAL_CONTACT_ROWS = 2048
 """Rows of the log of contacts at first.
 
-A step may add `march.MAX_STATUS_CHANGES` and more.
+One step may add somewhat more than `march.MAX_STATUS_CHANGES`.
 """
 MEMBERS_PER_CHECK = 64
-"""Number of members between two questions whether to stop."""
+"""Number of members between two calls of `should_stop`."""
 PLAIN_STEPS = 500
-"""Least number of steps in plain Python between two decisions whether to compile."""
+"""Smallest number of steps in plain Python between two decisions whether to compile."""
 STEP_TIME = 1.5e-3
 """Estimated time of a step in plain Python, s."""
 MIN_RUN_TIME = 0.02
 """Least time that is counted for a run, s: many short runs are worth compiling."""
 UNEQUAL_TRANSITS = 1000
-"""Ratio of transit times from which on the shortest decides the number of pieces."""
+"""Ratio of longest to shortest transit, above which errors name the shortest segment.
+
+The shortest transit decides the number of pieces then.
+"""
 COMPILED_STEPS = 100_000
 """Number of compiled steps between two reports."""
 
 
 class Members:
-    """Records of every member of a family, [member, i], which run one after the other.
+    """Records of all members of a family, which run one after another.
 
-    They run on one `Batch`, on which the records of one member are at a time. A single
-    collision is a family of one.
+    A single collision is a family with one member. All members run on one `Batch`,
+    which holds the records of one member at a time.
 
     Parameters
     ----------
@@ -84,12 +88,12 @@ class Members:
     Attributes
     ----------
     runs, nodes, links, masses, lines, parts : [member, i] array
-        Records; there is one run of each member.
+        Records; each member has one run.
     first_pieces : [member, piece] PIECE
         Pieces that are known at t = 0.
     fit : float
-        Largest miss of the pieces at t = 0, as of `InitialLines`, relative to the
-        velocity scale.
+        Largest difference of profiles from these pieces, as in `InitialLines`, relative
+        to the velocity scale.
     carried : float
         Stated error of the run from whose state this one goes on, relative to the
         velocity scale.
@@ -97,15 +101,15 @@ class Members:
     Raises
     ------
     InvalidModel
-        If transit times are too far apart for one clock, or the run is too long for it.
+        If transit times are too unequal for one clock, the run is too long for it, or a
+        contact in a row without rods is too short.
     """
 
     def __init__(self, row: Row, request: RunRequest) -> None:
-        """Lay out the records of all members, and put the first member on a `Batch`.
+        """Make the clock, the records of all members, and a `Batch`; nothing runs yet.
 
-        The clock is chosen, and the pieces at t = 0 are made; `fit` and `carried` are
-        those of `InitialLines`. The batch is in machine form, with empty logs and a
-        matrix for the largest node. Nothing runs yet.
+        The batch holds the first member, as arrays for machine code, with empty logs
+        and a matrix for the largest node.
         """
         self.row = row
         self.request = request
@@ -123,8 +127,9 @@ class Members:
         self.lines = records_of_family(lines, LINE, row)
         self.parts = records_of_family(parts, GROUP_PART, row)
         # Each link of a node may have an unknown force, with a value at each of N
-        # stages; the matrix of the equations has a column more, their right side.
+        # stages. The matrix of the equations has one more column for the right side.
         unknowns = N * int(self.nodes["link_count"].max())
+        # Arrays by field of `State`
         arrays: dict[str, Any] = {name: self.records(name)[0] for name in MEMBER_FIELDS}
         log_rows = INITIAL_LOG_ROWS + 2 * self.first_pieces.shape[1]
         arrays["log"] = np.zeros(log_rows, PIECE)
@@ -147,10 +152,7 @@ class Members:
         return getattr(self, name)
 
     def state(self) -> Any:
-        """The `State` of the member that ran last, as arrays.
-
-        The form of the batch does not matter.
-        """
+        """The `State` of the member that ran last, as arrays."""
         return State(*[self.batch.array(name) for name in State._fields])
 
     def ended(self, member: int) -> Ended:
@@ -166,15 +168,16 @@ class Members:
         should_stop: Callable[[], bool] = lambda: False,
         report: ProgressReport = no_report,
     ) -> None:
-        """Run members of these numbers, one after another, each to its end.
+        """Run the members with these numbers, one after another, each to its end.
 
-        `should_stop` is asked before the first of every MEMBERS_PER_CHECK members.
-        `report` is handed to each run.
+        `should_stop` is called before the first member, and again after every
+        MEMBERS_PER_CHECK members. `report` gets the progress of each run. The results
+        are stored in the records of the members.
 
         Raises
         ------
         Stopped
-            If `should_stop` says so.
+            If `should_stop` returns True.
         """
         for count, m in enumerate(members):
             if count % MEMBERS_PER_CHECK == 0 and should_stop():
@@ -182,9 +185,10 @@ class Members:
             self.run_member(m, report)
 
     def load(self, member: int = 0) -> None:
-        """Put the records of a member on the batch, in the form of the batch.
+        """Load the records of a member into the batch, in its present form.
 
-        Its pieces at t = 0 go to the beginning of the log there; further rows stay.
+        The pieces of the member at t = 0 become the first rows of the log of the batch;
+        its other rows are left as they are, since runs overwrite them.
         """
         batch = self.batch
         records = {}
@@ -196,22 +200,22 @@ class Members:
         log[: len(pieces)] = pieces
 
     def _in_form(self, array: Any) -> Any:
-        """Records in the form of the batch: an array, or a list of objects."""
+        """Records in the present form of the batch: the array, or a list of objects."""
         if self.batch.is_compiled:
             return array
         return as_objects(array)
 
     def store(self, member: int) -> None:
-        """Copy the records of the batch to those of a member."""
+        """Copy the records in the batch to the records of a member."""
         for name in MEMBER_FIELDS:
             self.records(name)[member] = self.batch.array(name)
 
     def run_member(self, member: int = 0, report: ProgressReport = no_report) -> None:
         """Run a member to its end, or to the limit of steps, and store its records.
 
-        It runs in slices of steps. A slice before the end of the run stops with CAP:
-        then the steps are reported, and the run may change from plain Python to machine
-        code.
+        It runs in slices of steps. A slice that does not reach the end of the run stops
+        with CAP. Then `report` gets the numbers of steps so far and of expected steps,
+        and the run may change from plain Python to machine code.
         """
         batch = self.batch
         batch.choose_form(MIN_RUN_TIME)  # plain Python, until machine code pays
@@ -223,21 +227,22 @@ class Members:
             if batch.is_compiled:
                 slice_steps = COMPILED_STEPS
             else:
-                # Each slice is half as long as all before it: few decisions, none late
+                # A slice is half as long as all slices before it: there are few
+                # decisions whether to compile, and none is late.
                 slice_steps = max(PLAIN_STEPS, steps // 2)
             self._set_limit(min(limit, steps + slice_steps))
             stop = self._run_slice()
             run = batch.objects("runs")[0]
-            seconds = (run.steps - steps) * STEP_TIME
+            slice_time = (run.steps - steps) * STEP_TIME  # s, in plain Python
             steps = run.steps
             if stop == Stop.CAP:
                 report(steps, self._expected_steps(run))
-                batch.choose_form(seconds)
-        self._set_limit(limit)  # the limit of the last slice may be smaller
+                batch.choose_form(slice_time)
+        self._set_limit(limit)  # in the record that is stored, not that of a slice
         self.store(member)
 
     def _set_limit(self, limit: int) -> None:
-        """Set the largest number of steps of the run in the batch."""
+        """Set `max_steps`, the largest number of steps, of the run in the batch."""
         runs: Any = self.batch.state.runs
         if self.batch.is_compiled:
             runs["max_steps"] = limit
@@ -245,11 +250,11 @@ class Members:
             runs[0].max_steps = limit
 
     def _expected_steps(self, run: Run) -> int | None:
-        """Estimated number of steps of a run to a given time.
+        """Estimated number of all steps of a run to a given end, or None.
 
-        It is at most the limit of the request. Steps are taken to be evenly spread over
-        time. It is None where a proof ends the run, and as long as some node is at t =
-        0.
+        It assumes that steps are evenly spread over time, and is at most the limit of
+        the request. It is None if a proof may end the run, and as long as some node is
+        still at t = 0.
         """
         reached = min(node.now for node in self.batch.objects("nodes"))
         is_ended_by_proof = run.ticks_after_proof != NEVER
@@ -259,9 +264,9 @@ class Members:
         return min(self.request.limit, expected)
 
     def _run_slice(self) -> Stop:
-        """Run on up to the limit of the run; return why it stopped, never FULL.
+        """Continue the run up to its `max_steps`; return why it stopped, never FULL.
 
-        Logs that are full are made longer, as often as it takes.
+        If a log is full, both logs are lengthened, and the run goes on.
 
         Raises
         ------
@@ -272,8 +277,8 @@ class Members:
         stop = Stop(batch.run())
         while stop == Stop.FULL:
             pieces = len(batch.state.log)
-            # The longer log has up to four times as many pieces, and stands beside this
-            # one for a while. Numbers are of 8 bytes.
+            # The longer log has up to four times as many pieces. The memory is stated
+            # in numbers of 8 bytes.
             require_memory(
                 4 * pieces * PIECE.itemsize / 8,
                 "until",
@@ -285,18 +290,18 @@ class Members:
         return stop
 
     def _remedy(self) -> str:
-        """Advice, for an error, against too many pieces.
+        """Advice in an error message about too many pieces.
 
-        It is to stop earlier, or to take a larger rtol. Where transit times are very
-        unequal it names the shortest segment instead.
+        It is to stop earlier, or to take a larger rtol. If transit times are very
+        unequal, it names the shortest segment instead.
         """
         transits = [float(np.max(transit)) for transit in self.clock.transits]
         shortest = min(transits, default=0.0)
         longest = max(transits, default=0.0)
         if longest <= UNEQUAL_TRANSITS * shortest:
             return "stop earlier, or take a larger rtol"
-        s = transits.index(shortest)  # counted from 0, while paths are from 1
-        path = self.row.paths[s + 1]
+        s = transits.index(shortest)  # number of the segment, from 0
+        path = self.row.paths[s + 1]  # paths count segments from 1
         return (
             f"no piece is longer than the transit time of {path}, which is "
             f"{shortest / longest:.1g} of the longest: make it longer, replace it by a "

@@ -1,4 +1,7 @@
-"""Totals and status of a run, from its records; the page has this as JavaScript."""
+"""Totals and status of a run, from its records.
+
+The web page has these functions as JavaScript.
+"""
 
 import math
 from typing import Any
@@ -10,15 +13,15 @@ from ..states import Status, Stop
 from ..status import RunEnd, describe_end, last_contact, proof_sentence
 
 MISSED_GOAL_FACTOR = 10.0
-"""Stated error over rtol above which the status says that rtol was not reached."""
+"""Stated error over rtol, above which the status says that rtol was not reached."""
 
 
 def tally_of(link: Any, tick: float, now: int) -> ContactTally:
-    """Totals of the contact that a link is, in SI units, in a run up to tick `now`.
+    """Totals of a contact, in SI units, from its link, in a run up to tick `now`.
 
-    `tick` is the duration of a tick, s. An impact has no peak force: it is nan. Without
-    any force the times of first and last force are nan; the last one is `now` while a
-    force acts.
+    `tick` is the duration of a tick, s. The peak force of an impact contact is nan.
+    Without any force the times of the first and the last force are nan. If a force
+    still acts, the last time is that of `now`.
     """
     is_impact = link.law == Law.IMPACT
     if is_impact:
@@ -41,29 +44,28 @@ def tally_of(link: Any, tick: float, now: int) -> ContactTally:
 
 
 def last_of(run: Any, links: Any, end: float, round_trip: float) -> float:
-    """Time of the end of the last contact, s; nan without a proof.
+    """Time of the end of the last contact in a run, s; nan without a proof.
 
-    It is 0 if no contact pressed, and inf if one presses for ever.
-    `status.last_contact` finds it, from the ends of force and the openings of all
-    contacts that have pressed; an end is nan while the force acts, an opening while
-    there is none. An impact is over at once: one that is open now has parted, even
-    though PRESS was logged last, as it struck.
-
-    `end` is the end of the run, s, `round_trip` the longest time in a body there and
-    back, s.
+    `status.last_contact` computes it from two times of each contact that has pressed:
+    the end of its force, nan while a force acts, and its last opening, nan while it is
+    closed. The result is 0 if no contact has pressed, and inf if one presses for ever.
+    `end` is the end of the run, s, and `round_trip` the longest time in which a wave
+    goes through a body and back, s.
     """
     if run.proved_tick < 0:
         return math.nan
-    ends = []  # ends of the force and of touching, by contact
+    ends = []  # pairs by contact: end of the force, last opening
     for link in links:
         can_open = link.law >= Law.RIGID
         if can_open and link.episodes > 0:
-            has_struck = link.law == Law.IMPACT and link.status == Status.OPEN
-            if link.logged_status == Status.PRESS and not has_struck:
+            # The force of an impact is over at once, although the last logged status is
+            # PRESS: if the contact is open now, its bodies have parted.
+            has_parted = link.law == Law.IMPACT and link.status == Status.OPEN
+            if link.logged_status == Status.PRESS and not has_parted:
                 force_end = math.nan
             else:
                 force_end = link.last_force_tick * run.tick_duration
-            is_open = link.logged_status == Status.OPEN or has_struck
+            is_open = link.logged_status == Status.OPEN or has_parted
             if is_open and link.last_opening_tick >= 0:
                 opening = link.last_opening_tick * run.tick_duration
             else:
@@ -75,8 +77,8 @@ def last_of(run: Any, links: Any, end: float, round_trip: float) -> float:
 def why_stopped(run: Any, has_given_end: bool) -> str:
     """The reason why a run ended: "max_events", "until", "final" or "clock".
 
-    The cap on steps comes first, then the given end, then a proof. "clock" is the end
-    of the clock without any of these.
+    These are the cap on steps, the given end, the proof of finality, and the end of the
+    clock. If several apply, the first one in this order is returned.
     """
     if run.stop_reason == Stop.CAP:
         return "max_events"
@@ -90,7 +92,7 @@ def why_stopped(run: Any, has_given_end: bool) -> str:
 def end_of_run(
     run: Any, links: Any, system: Any, stopped_by: str, end: float, t_final: float
 ) -> RunEnd:
-    """Sentences on why a run ended, with its proof if there was one.
+    """Sentences on why a run ended, and on its proof if there was one.
 
     Parameters
     ----------
@@ -98,9 +100,11 @@ def end_of_run(
     links : list of LINK
     system : System
     stopped_by : str
-        As of `why_stopped`.
-    end, t_final : float
-        End of the run, and of the last contact, as of `last_of`, s.
+        Result of `why_stopped`.
+    end : float
+        End of the run, s.
+    t_final : float
+        End of the last contact, s, the result of `last_of`.
     """
     proof = ""
     if run.proved_tick >= 0:
@@ -111,10 +115,10 @@ def end_of_run(
 
 
 def accuracy_sentence(worst: float, goal: float) -> str:
-    """Sentence of the status on the largest stated error; `goal` is rtol.
+    """Sentence of the status on the largest stated error, `worst`.
 
-    If the error is more than MISSED_GOAL_FACTOR times the goal, another sentence says
-    so.
+    If it is more than MISSED_GOAL_FACTOR times the goal, rtol, a second sentence says
+    that it is more than rtol.
     """
     text = f" Stated relative error: {worst:.1g}."
     if worst > MISSED_GOAL_FACTOR * goal:
@@ -123,10 +127,10 @@ def accuracy_sentence(worst: float, goal: float) -> str:
 
 
 def simplifications_text(run: Any) -> str:
-    """Sentences of the status on what the run has simplified; empty if nothing.
+    """Sentences of the status on simplifications in a run; empty if there are none.
 
-    These are jumps too dense to follow, which are smoothed, and rigid bodies set at
-    rest.
+    The first one is about waves that were smoothed, as their jumps were too dense, the
+    second one about rigid bodies that were set at rest after an impact.
     """
     text = ""
     if run.averaged_steps:
@@ -144,15 +148,16 @@ def simplifications_text(run: Any) -> str:
 
 
 def why_stuck(row: Any, node: Any, seconds: float) -> tuple[str, str]:
-    """Path and sentence of the error where a node has no solution.
+    """Path and sentence of the error if a node has no solution at a time, s.
 
-    No forces in it satisfy the laws of its links. The reason is two walls that squeeze
-    a rigid mass, or else numbers out of range; the path is that of all contacts, or of
-    the last contact in the node.
+    No forces satisfy the laws of its links. If its masses are between two ends without
+    a rod, the sentence says that walls squeeze a mass, and the path is "contacts".
+    Otherwise it says that numbers may be out of range, and the path is that of the last
+    contact in the node.
     """
     time = format_si(seconds, "s")
-    # Mobility is 0 where no rod begins:
-    # what leaves such masses no solution are two walls.
+    # `mobility` is 0 on a side without a rod. Only between two walls can rigid masses
+    # have no solution.
     if node.link_count > 1 and node.mobility[0] == 0 and node.mobility[1] == 0:
         return (
             "contacts",
