@@ -206,8 +206,8 @@ def sum_of_waves(terms: Any, since: float, tick: float) -> float:
 
 def value_held(wave: Any, since: float, tick: float) -> float:
     """Value at a tick of that piece of a wave which holds at the tick `since`."""
-    piece = wave["piece"][reading.place_of(wave, since)]
-    return float(lines.at(piece, reading.share_of(piece, tick)))
+    piece = wave["piece"][reading.piece_index_at(wave, since)]
+    return float(lines.at(piece, reading.position_in(piece, tick)))
 
 
 def gauge_curve(run: Any, s: int, x: float) -> Any:
@@ -392,8 +392,8 @@ def jumps_between(run: Any, wave: Any, start: float, stop: float) -> list[float]
     midpoint rule has as many points in any case.
     """
     # A jump is the beginning of a piece. The first piece that begins after `start`:
-    first = reading.place_of(wave, start) + 1
-    last = reading.place_of(wave, stop)
+    first = reading.piece_index_at(wave, start) + 1
+    last = reading.piece_index_at(wave, stop)
     ticks = []
     for piece in wave["piece"][first : last + 1]:
         if piece.break_order == 0:  # the wave itself jumps, not only a derivative
