@@ -1,10 +1,11 @@
-"""The method "characteristics".
+"""The method "characteristics": results of single collisions and of families.
 
-Rods are pure delays, contacts small equations between them. Waves are lists of
-polynomial pieces; a node, the chain of links and masses between two rods, is integrated
-by itself as far as its inputs are known. There is no time step: every piece is as long
-as what happens in it is smooth. A second run in other pieces tells how wrong the first
-is. A single collision is a family of one that keeps its pieces.
+A rod only delays waves; contacts are small equations between rods. Waves are lists of
+polynomial pieces. A node, the chain of links and masses between two rods, is integrated
+by itself, as far as its incoming waves are known. There is no common time step: the
+duration of a piece follows from its truncation error and from events. A second run with
+other pieces gives the stated error of the first one. A single collision is a family
+with one member that keeps its history.
 """
 
 import math
@@ -51,9 +52,9 @@ RTOL = 1e-8
 MAX_TOLERANCE = 1e-6
 """Largest tolerance of pieces: below it, errors fall evenly with the tolerance."""
 MIN_TOLERANCE = 1e-13
-"""Smallest tolerance of pieces: below it, round-off decides."""
+"""Smallest tolerance of pieces: below it, round-off prevails."""
 MAX_MEMBERS_PER_CALL = 1024
-"""Number of members of one call: records of more would leave the cache."""
+"""Largest number of members in one call: records of more do not fit into the cache."""
 
 
 def solve(
@@ -63,30 +64,31 @@ def solve(
     rtol: float | None = None,
     report: ProgressReport = no_report,
 ) -> Run:
-    """Run a single collision to `until`, s, or to its proof of finality.
+    """Run a single collision to `until`, s, or to its proof of finality if it is None.
 
-    After a proof waves go once more through the longest body and back. The run has a
-    tolerance that follows from `rtol` (RTOL for None), and `max_events` steps of nodes
-    at most. A second, coarser run then tells the errors. They are stated; a result that
-    misses `rtol` is not refined.
+    After a proof the run goes on while a wave travels through the longest body and
+    back. The run has at most `max_events` steps of nodes, and a tolerance that follows
+    from `rtol` (RTOL for None). A second run with a coarser tolerance then gives the
+    stated errors. A result whose error is above `rtol` is not refined.
 
     Raises
     ------
     InvalidModel
-        If numbers are beyond the scales, or no forces satisfy the laws: walls squeeze a
-        rigid mass, say.
+        If numbers are out of range, the clock cannot count the run, or no forces
+        satisfy the laws, for instance because walls squeeze a rigid mass.
     """
     if row.segments:
         check_scales(row)
     request = RunRequest(until, tolerance_of(rtol), max_events, keep=True)
-    members = Members(row, request)  # a family of one
+    members = Members(row, request)  # a family with one member
     members.run_member(report=report)
     if members.runs["stop_reason"][0, 0] == Stop.STUCK:
         nodes = record_lists.as_objects(members.nodes[0])
         stuck = min(nodes, key=lambda node: node.now)
         seconds = float(members.clock.tick * stuck.now)
         raise InvalidModel([totals.why_stuck(row, stuck, seconds)])
-    errors = stated_errors(members, np.array([0]), report=report)[0].tolist()
+    only_member = np.array([0])
+    errors = stated_errors(members, only_member, report=report)[0].tolist()
     accuracy = dict(zip(runs.MEASURES, errors, strict=True))
     if rtol is None:
         goal = RTOL
@@ -96,11 +98,11 @@ def solve(
 
 
 def members_per_call(row: Row) -> int:
-    """How many members to run in one call; 0 where each is to be run alone.
+    """Number of members to run in one call; 0 if each must run alone, with `solve`.
 
-    Each runs alone where profiles or drives vary, with laws of the user, and with bonds
-    between rigid bodies: their force follows from signals, which a family does not
-    keep.
+    Members run alone if a profile or drive varies, if there is a law of the user, or if
+    rigid bodies are bonded: the force of such a bond follows from signals, which a
+    family does not keep.
     """
     has_rigid_bond = any(i < 0 for i in row.contact_link)  # such a bond is no link
     if has_profiles(row) or has_rigid_bond or own_laws(row):
@@ -118,11 +120,11 @@ def solve_family(
     later_members: int = 0,  # noqa: ARG001 - an argument of every method's family
     also: Sequence[str] = (),
 ) -> Columns:
-    """Columns of every member, as `family.family_columns` makes them.
+    """Columns of results of all members of a family, see `family.family_columns`.
 
-    A member whose numbers are beyond the scales, or whose walls squeeze a mass, is
-    refused: its numbers are nan. The column "accuracy" is the largest stated error of
-    velocities, impulses and peak forces.
+    A member is refused, with nan as results, if its numbers are out of range, or if it
+    has no solution. The column "accuracy" is the largest stated error of velocities,
+    impulses and peak forces.
 
     Parameters
     ----------
@@ -130,16 +132,16 @@ def solve_family(
     until, max_events, rtol
         As for a single run.
     should_stop : callable
-        Asked now and then whether to give up.
+        It is called now and then, and returns whether to give up.
     later_members : int
-        Members that other calls will run in this process; not used.
+        Number of members that later calls will run in this process; not used.
     also : sequence of str
-        "accuracy" if it is wanted.
+        "accuracy" if this column is wanted.
 
     Raises
     ------
     Stopped
-        If `should_stop` said so.
+        If `should_stop` returns True.
     """
     refused = np.zeros(row.system.shape, bool)
     if row.segments:
@@ -163,17 +165,18 @@ def stated_errors(
     should_stop: Callable[[], bool] = lambda: False,
     report: ProgressReport = no_report,
 ) -> Any:
-    """Relative error of each of the `MEASURES`, [member, measure].
+    """Stated relative error of each of the `MEASURES`, [member, measure].
 
-    `members` are the numbers of those that are wanted; all of them have run. They run
-    again in other steps, at a coarser tolerance, and the results are compared. The
-    others have nan. `should_stop` and `report` are handed to `Members.run_all`.
+    `members` are the numbers of the members whose errors are wanted; they must have
+    run. They run again with a coarser tolerance and other pieces, and the results are
+    compared. Other members get nan. `should_stop` and `report` are used as in
+    `Members.run_all`.
     """
     coarser = fine.request._replace(
         tolerance=COARSER * fine.request.tolerance, keep=False
     )
     coarse = Members(fine.row, coarser)
-    # Record arrays have their fields as attributes, like a single run.
+    # A recarray has its fields as attributes, like the record of a single run.
     prepare_second_run(fine.runs.view(np.recarray), coarse.runs.view(np.recarray))
     coarse.run_all(members, should_stop, report)
     errors = np.full((len(fine.runs), len(runs.MEASURES)), math.nan)
@@ -186,34 +189,36 @@ def stated_errors(
 
 
 def tolerance_of(rtol: float | None) -> float:
-    """Tolerance of pieces, relative to the velocity scale."""
+    """Tolerance of pieces, relative to the velocity scale: `rtol` within bounds.
+
+    The bounds are MIN_TOLERANCE and MAX_TOLERANCE. None stands for RTOL.
+    """
     if rtol is None:
         rtol = RTOL
     return max(MIN_TOLERANCE, min(rtol, MAX_TOLERANCE))
 
 
 def _result_of(members: Members, accuracy: dict[str, float], goal: float) -> Run:
-    """The `Run` of a single collision, a family of one that has run.
+    """The `Run` of a single collision, from a family with one member that has run.
 
-    It has the times of the proof and of the last contact, the status in sentences,
-    totals of contacts, motion before and after, and a function that makes the signals.
-    `accuracy` are the stated errors by measure, `goal` is the relative error that was
-    aimed at.
+    It has the times of the proof and of the last contact, the status in sentences, the
+    totals of contacts, the motion before and after, and a function that makes the
+    signals. `accuracy` are the stated errors by measure, and `goal` is the relative
+    error that was aimed at.
     """
     row = members.row
     until = members.request.until
     state = members.state()
     ended = members.ended(0)
     run = ended.run
-    # The clock of the run itself, in single numbers:
-    # that of the family has arrays by member.
+    # A clock with plain numbers: the clock of the family has arrays by member.
     transits = [int(transit) for transit in members.clock.transits]
     clock = clock_of(row, transits, run.tick_duration, scale=float(members.clock.scale))
     tick = clock.tick
     end_tick = min(int(state.nodes["now"].min()), run.end_tick)
     stopped_by = totals.why_stopped(run, until is not None)
     if until is not None and stopped_by == "until":
-        t_end = until  # as it was given: `end_tick` is rounded
+        t_end = until  # exactly as given, while `end_tick` is rounded
     else:
         t_end = end_tick * tick
     round_trip = 2 * clock.longest_rod * tick
@@ -227,7 +232,7 @@ def _result_of(members: Members, accuracy: dict[str, float], goal: float) -> Run
     status = with_advice(why)
     status += totals.accuracy_sentence(runs.largest_error(accuracy), goal)
     status += _doubts(clock, run, state.log[: run.piece_count], end_tick)
-    # A function that makes the signals when it is first called, and keeps them
+    # The first call of this function makes the signals, later calls return the same.
     make_signals = cache(partial(signals_of, row, clock, end_tick, state))
     before, after = _body_velocities(members)
     vibration = _floats(vibration_of(members))
@@ -255,8 +260,8 @@ def _result_of(members: Members, accuracy: dict[str, float], goal: float) -> Run
 def _doubts(clock: Clock, run: Any, log: Any, end_tick: int) -> str:
     """Sentences of the status on simplifications, rounding and large strains.
 
-    It is empty if there are none. The `log` has the pieces of the run, which ended at
-    `end_tick`.
+    The text is empty if there is nothing to say. `log` has the pieces of the run, which
+    ended at `end_tick`.
     """
     text = totals.simplifications_text(run)
     text += _struck_together(clock.row)
@@ -265,16 +270,18 @@ def _doubts(clock: Clock, run: Any, log: Any, end_tick: int) -> str:
 
 
 def _largest_strain(clock: Clock, log: Any, end_tick: int) -> float:
-    """Bound of the absolute strain in all segments up to a tick, without dimension.
+    """Upper bound of the absolute strain in all segments, up to tick `end_tick`.
 
-    `log` has the pieces of all lines. The strain is (b - a)/(2 c) by the waves a and b
-    of a segment of wave speed c. With abs(a) and abs(b) up to v it is at most v/c. v is
-    the sum of the absolute coefficients of the Chebyshev series of a piece. Under
-    gravity there is a second bound in the frame of the ground, and the smaller one is
-    returned. Without segments the bound is 0.
+    `log` has the pieces of all lines. The strain in a segment with the wave speed c is
+    (b - a)/(2 c) with its waves a and b. It is at most v/c if both waves are at most v.
+    This v is the sum of the absolute coefficients of the Chebyshev series of a piece;
+    the largest v/c of all pieces is the bound. Under gravity there is a second bound in
+    the frame of the ground, and the smaller one is returned. Without segments the bound
+    is 0.
     """
     row = clock.row
-    waves = log[log["line"] < 2 * len(row.segments)]  # two lines a segment come first
+    # The lines of the segments, two for each, come first.
+    waves = log[log["line"] < 2 * len(row.segments)]
     wave_speeds = np.zeros(len(row.segments))
     transit_times = np.zeros(len(row.segments))
     for s, segment in enumerate(row.segments):
@@ -288,35 +295,36 @@ def _largest_strain(clock: Clock, log: Any, end_tick: int) -> float:
     gravity = float(row.system.gravity)
     if gravity == 0:
         return bound_in_frame
-    # In the frame of the run, which falls, waves of a row that is held grow by g t
-    # without any strain. In the frame of the ground they are a + u(t) and b + u(t) with
-    # the velocity u(t) of the frame. Values that meet have left the ends of the segment
-    # at times that differ by its transit time T at most: the bound is v/c + g T/(2 c).
-    # A constant wave may last beyond the run.
+    # The frame of the run falls. If the row is held, its waves relative to this frame
+    # grow by g t without any strain. Relative to the ground the waves are a + u(t) and
+    # b + u(t), with the velocity u(t) of the frame. Values of a and b that meet have
+    # left the ends of the segment at times that differ by its transit time T at most,
+    # so that the values of u differ by g T at most: the bound is v/c + g T/(2 c).
+    # A constant piece may extend beyond the end of the run.
     is_constant = waves["degree"] == 0
     ends = np.where(is_constant, np.minimum(waves["end"], end_tick), waves["end"])
     middle = (waves["start"] + ends) / 2 * clock.tick  # time, s
     half_duration = (ends - waves["start"]) / 2 * clock.tick  # s
-    # u(t) = frame + g t is the series u(middle) + g half_duration y.
-    above_ground = waves["coefficients"].copy()
-    above_ground[:, 0] += clock.frame + gravity * middle
-    above_ground[:, 1] += gravity * half_duration
-    v_above_ground = np.abs(above_ground).sum(axis=1)
-    v_above_ground += abs(gravity) * transit_times[segments] / 2
-    bound_on_ground = float((v_above_ground / speeds).max(initial=0.0))
+    # u(t) = frame + g t has the Chebyshev series u(middle) + g half_duration y.
+    relative_to_ground = waves["coefficients"].copy()
+    relative_to_ground[:, 0] += clock.frame + gravity * middle
+    relative_to_ground[:, 1] += gravity * half_duration
+    v_on_ground = np.abs(relative_to_ground).sum(axis=1)
+    v_on_ground += abs(gravity) * transit_times[segments] / 2
+    bound_on_ground = float((v_on_ground / speeds).max(initial=0.0))
     return min(bound_in_frame, bound_on_ground)
 
 
 def _struck_together(row: Row) -> str:
-    """Sentence of the status on rigid bodies that touch at t = 0.
+    """Sentence of the status on three or more rigid bodies that touch at t = 0.
 
-    It is empty if no two neighbouring contacts do.
+    It is empty unless two neighbouring impact contacts have no gap at t = 0.
     """
-    touching = []
+    touching = []  # numbers of links
     for i, link in enumerate(row.links):
         if link.law == Law.IMPACT and float(link.gap) == 0:
             touching.append(i)
-    if any(j == i + 1 for i, j in pairwise(touching)):
+    if any(right == left + 1 for left, right in pairwise(touching)):
         return (
             " Rigid bodies that touch are struck together; "
             "with gaps the outcome differs."
@@ -331,40 +339,50 @@ def _tallies(
     now: int,
     make_signals: Callable[[], runs.Signals],
 ) -> tuple[ContactTally, ...]:
-    """Totals of every contact, in SI units, of a run up to tick `now`; `tick` in s.
+    """Totals of all contacts, in SI units, in a run up to tick `now`.
 
-    `links` are those of the run. Only where rigid bodies are bonded to each other
-    `make_signals` is called, as the force of such a bond follows from the signals.
+    `links` are the links of the run, and `tick` is the duration of a tick, s.
+    `make_signals` is called only for bonds between rigid bodies, whose force follows
+    from the signals.
     """
     tallies = []
-    for k, i in enumerate(row.contact_link):
+    for k, i in enumerate(row.contact_link):  # contact k is link i
         if i >= 0:
             tally = totals.tally_of(links[i], tick, now)
-        else:
-            # A bond of rigid bodies is no link: its force follows from those beside it.
+        else:  # a bond between rigid bodies, which is not a link
             tally = _bond_tally(make_signals().contacts[k].force, tick, now)
         tallies.append(tally)
     return tuple(tallies)
 
 
 def _bond_tally(force: Pieces, tick: float, now: int) -> ContactTally:
-    """Totals of a bond between rigid bodies from its force, N by tick."""
+    """Totals of a bond between rigid bodies, from its force up to tick `now`.
+
+    `force` is in N over ticks, `tick` is the duration of a tick, s. Only impulse and
+    peak force are computed; `duration` and `episodes` are 0, `first` and `last` nan.
+    """
     impulse = float(force.integral(0, now)) * tick
     peak = max(0.0, float(force.at(force.marks).max()))
-    # A bond has no duration, no first and last force, and no episodes.
-    return ContactTally(impulse, peak, 0.0, math.nan, math.nan, 0)
+    return ContactTally(
+        impulse,
+        peak,
+        duration=0.0,
+        first=math.nan,
+        last=math.nan,
+        episodes=0,
+    )
 
 
 def _floats(columns: list[Any]) -> list[float]:
-    """Numbers of the only member."""
+    """Numbers of the only member, from arrays by member."""
     return [float(column[0]) for column in columns]
 
 
 def _body_velocities(family: Members) -> tuple[list[Any], list[Any]]:
-    """Velocities of the bodies before and after, m/s: two lists, an array a body.
+    """Velocities of all bodies before and after, m/s: two lists, [body], of arrays.
 
-    The arrays are [member]. The velocity of a body is that of its group; walls are
-    bodies, too.
+    The arrays are [member]. The velocity of a body is that of the group of bonded
+    bodies to which it belongs; walls are bodies, too.
     """
     groups_before, groups_after = _group_velocities(family)
     before = _velocities_by_body(family.row, groups_before)
@@ -373,26 +391,28 @@ def _body_velocities(family: Members) -> tuple[list[Any], list[Any]]:
 
 
 def _velocities_by_body(row: Row, group_velocities: list[Any]) -> list[Any]:
-    """Velocities of the bodies, m/s, [body] by member, from those of their groups.
+    """Velocities of all bodies, m/s, [body] of arrays by member.
 
-    `group_velocities` has one for each group of the system, from left to right. What a
-    wall holds has the velocity of the wall, see `groups.velocities_in_group`.
+    `group_velocities` has the velocity of each group of the system, from left to right.
+    Bodies have the velocity of their group. If a wall holds the group, they have the
+    velocity of the wall, see `groups.velocities_in_group`.
     """
     free = movable(row.system)
     columns = []
     for group, speed in zip(groups(row.system), group_velocities, strict=True):
-        inside = [i for i in group if i in free]  # no walls, and nothing bonded to one
+        # All but walls, and masses bonded to walls
+        inside = [i for i in group if i in free]
         for velocity in velocities_in_group(row.system, group, inside, speed):
-            columns.append(row.of(velocity))
+            columns.append(row.of(velocity))  # a number for each member
     return columns
 
 
 def _group_velocities(family: Members) -> tuple[list[Any], list[Any]]:
-    """Velocities of groups before and after, m/s, [group] by the shape of the family.
+    """Velocities of all groups before and after, m/s: two lists, [group], of arrays.
 
-    Each is that of the centre of mass, seen from the ground. The records hold
-    velocities in the frame, whose own velocity, frame + g t, is added. "After" is the
-    last check of finality.
+    The arrays have the shape of the family. "Before" is t = 0, "after" is the last
+    check of finality. Each velocity is that of the centre of mass relative to the
+    ground: the velocity of the frame, frame + g t, is added to that in the records.
     """
     row = family.row
     parts = family.parts
@@ -403,37 +423,39 @@ def _group_velocities(family: Members) -> tuple[list[Any], list[Any]]:
     )
     before = []
     after = []
-    # The first part of a group, its head, has the number of its parts and the motion of
-    # the group; other parts have 0. All members have the same groups as the first one.
-    for head in np.flatnonzero(parts["part_count"][0] > 0):
-        group = parts[:, head].reshape(shape)
+    # The first part of a group has the motion of the group, and a `part_count` above 0.
+    # All members have the same groups as member 0.
+    for first in np.flatnonzero(parts["part_count"][0] > 0):
+        group = parts[:, first].reshape(shape)
         before.append(group["initial_velocity"] + row.frame)
         after.append(group["group_velocity"] + frame_after)
     return before, after
 
 
 def vibration_of(family: Members) -> list[Any]:
-    """Vibration energy of each body, J, [body] by member.
+    """Vibration energy of each body, J, [body] of arrays by member.
 
-    It is that about the velocity of its group. That of a rod is the sum of its
-    segments; a mass that is bonded to others has its share, by mass, of the energy of
-    the mass that they make together. A wall, and a mass that is bonded to one, has 0.
+    It is the energy of the motion relative to the velocity of the group of the body. A
+    rod has the sum of its segments. Masses that are bonded together share the energy of
+    their common mass in proportion to their masses. A wall, and a mass that is bonded
+    to a wall, have 0.
     """
     row = family.row
     parts = family.parts
     kinds = parts["kind"][0].tolist()
     indices = parts["index"][0].tolist()
-    part_energies = {}  # J by member, by kind and index of the part
-    for p, key in enumerate(zip(kinds, indices, strict=True)):
-        part_energies[key] = parts["vibration_energy"][:, p]
+    part_energies = {}  # arrays by member, J, for each kind and index of a part
+    for p, kind_and_index in enumerate(zip(kinds, indices, strict=True)):
+        part_energies[kind_and_index] = parts["vibration_energy"][:, p]
     energies = list[Any]()
     for body, span, m in zip(row.system.bodies, row.spans, row.mass_of, strict=True):
-        first, last = span
+        first, last = span  # first and last segment; 1, 0 for a body without segments
         energy = np.zeros(len(parts))
         for s in range(first, last + 1):
             # Spans count segments from 1, parts from 0.
             energy = energy + part_energies[Part.SEGMENT, s - 1]
         if 0 <= m < len(row.masses):  # a rigid mass that is not bonded to a wall
+            # Mass m is the common mass of bonded bodies.
             share: Any = np.asarray(body.mass) / np.asarray(row.masses[m])
             energy = part_energies[Part.MASS, m] * row.of(share)
         energies.append(energy)
@@ -441,14 +463,14 @@ def vibration_of(family: Members) -> list[Any]:
 
 
 def _columns_of(family: Members, refused: Any) -> Columns:
-    """Columns of a family whose members have run.
+    """Columns of results of a family whose members have run.
 
-    They are as `family.family_columns` makes them. Numbers are nan, and the proof does
-    not count, where a member is `refused`, [member].
+    See `family.family_columns`. If a member is `refused`, [member], its results are
+    nan, and it counts as not final.
     """
     row = family.row
     run = family.runs[:, 0]
-    zero_or_nan = np.where(refused, math.nan, 0.0)
+    zero_or_nan = np.where(refused, math.nan, 0.0)  # added to results
     before, after = _body_velocities(family)
     final = (run["proved_tick"] >= 0) & ~refused
     is_capped = run["stop_reason"] == Stop.CAP
@@ -467,11 +489,11 @@ def _columns_of(family: Members, refused: Any) -> Columns:
 
 
 def _contact_columns(family: Members, zero_or_nan: Any) -> dict[str, list[Any]]:
-    """Totals of every contact in SI units, by name of `CONTACT_COLUMNS`.
+    """Totals of all contacts in SI units, by name of `CONTACT_COLUMNS`.
 
-    Each is a list, [contact], of arrays by member. `zero_or_nan` is nan where a member
-    is refused, else 0; it is not added to `episodes`, which are counts. Impacts have no
-    peak force: nan.
+    Each is a list, [contact], of arrays by member. `zero_or_nan`, nan for refused
+    members and 0 for others, is added to all but the episodes, which are whole numbers.
+    The peak force of impact contacts is nan.
     """
     tick = family.runs[:, 0]["tick_duration"]
     contacts: dict[str, list[Any]] = {
@@ -480,7 +502,9 @@ def _contact_columns(family: Members, zero_or_nan: Any) -> dict[str, list[Any]]:
         "duration": [],
         "episodes": [],
     }
-    for i in family.row.contact_link:  # a link each: see `members_per_call`
+    # Each contact is a link: members with other contacts run alone, see
+    # `members_per_call`.
+    for i in family.row.contact_link:
         link = family.links[:, i]
         peak = np.where(link["law"] == Law.IMPACT, math.nan, link["peak_force"])
         contacts["impulse"].append(zero_or_nan + link["impulse"])
