@@ -122,10 +122,10 @@ def hidden_errors(fine: Ended, fit: float) -> list[float]:
     resting = run.resting_velocity / run.velocity_scale
     # Velocities that the peak forces of the links make, m/s
     velocities = [link.peak_force * link.effective_mobility for link in fine.links]
-    strongest = max_abs(velocities) / run.velocity_scale
+    largest_velocity = max_abs(velocities) / run.velocity_scale
     round_off = ROUND_OFF * (ROUND_OFFS_OF_STEP + math.sqrt(run.steps))
     # Velocities that are larger than the scale, and cancel, have a larger round-off.
-    round_off = round_off * max(1.0, strongest)
+    round_off = round_off * max(1.0, largest_velocity)
     common = round_off + loose + resting + FIT_FACTOR * fit
     errors = [common, common, common, common, common]  # one for each measure
     values = measures_of(fine)
@@ -265,8 +265,8 @@ def wave_difference(fine: Ended, coarse: Ended) -> float:
     """Largest difference of the waves of two runs, relative to the velocity scale.
 
     The means and first moments of both waves over each segment, at the last check of
-    finality, are compared. If both runs had this check at different ticks, 0 is
-    returned.
+    finality, are compared. If both runs had this check at different ticks, or there are
+    no segments, 0 is returned.
     """
     if fine.run.last_proof_tick != coarse.run.last_proof_tick:
         return 0.0
@@ -298,12 +298,12 @@ def momentum_error(fine: Ended) -> float:
     if run.stop_reason == Stop.CAP:
         return 0.0
     worst = 0.0
-    for first, head in enumerate(fine.parts):
-        if head.part_count == 0:  # it is not the first part of a group
+    for first, group in enumerate(fine.parts):
+        if group.part_count == 0:  # it is not the first part of a group
             continue
         mass = 0.0
         is_free = True
-        for part in fine.parts[first : first + head.part_count]:
+        for part in fine.parts[first : first + group.part_count]:
             mass += part.mass
             is_anchor = part.kind >= Part.WALL
             is_free = is_free and not is_anchor
@@ -315,8 +315,8 @@ def momentum_error(fine: Ended) -> float:
                     momentum += link.impulse
                 if link.left_group == first:
                     momentum -= link.impulse
-            newton_velocity = head.initial_velocity + momentum / mass
-            worst = max(worst, abs(head.group_velocity - newton_velocity))
+            newton_velocity = group.initial_velocity + momentum / mass
+            worst = max(worst, abs(group.group_velocity - newton_velocity))
     return worst / run.velocity_scale
 
 

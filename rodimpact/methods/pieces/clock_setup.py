@@ -79,7 +79,7 @@ def reference_time(row: Row, until: float | None) -> Any:
     times and of the times in which gaps are crossed, or 1 if all of them are 0.
     """
     if row.segments:
-        return largest([s.transit_time for s in row.segments])
+        return largest([segment.transit_time for segment in row.segments])
     if until:
         return until
     flight_times = [link.gap / closing_velocity(row) for link in row.links]
@@ -167,12 +167,13 @@ def family_clock(
         If transit times are too unequal for one clock, the run is too long for it, or a
         contact in a row without rods is too short.
     """
-    transits = [s.transit_time for s in row.segments]
+    transits = [segment.transit_time for segment in row.segments]  # s
     reference = reference_time(row, until)
     scale = velocity_scale(row, reference)
     jumps = jumps_of(row)
     crossing_time = crossing_time_of(row)
     flight_time = flight_time_of(row, scale)
+    # Times from the left end of a segment to a jump, at a share of its length
     jump_times = [share * transits[s] for s, share in jumps]
     # Times that are counted: transit times, then times to jumps. `row.of` gives an
     # array with a number for each member.

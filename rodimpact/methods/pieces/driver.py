@@ -277,10 +277,11 @@ class Members:
         stop = Stop(batch.run())
         while stop == Stop.FULL:
             pieces = len(batch.state.log)
-            # The longer log has up to four times as many pieces. The memory is stated
-            # in numbers of 8 bytes.
+            # The longer log has up to four times as many pieces. Memory is counted in
+            # numbers of 8 bytes.
+            numbers = 4 * pieces * PIECE.itemsize / 8
             require_memory(
-                4 * pieces * PIECE.itemsize / 8,
+                numbers,
                 "until",
                 f"a run of more than {pieces} pieces of waves",
                 self._remedy(),

@@ -139,7 +139,8 @@ def resolve_impacts(
     # Find the links that impact, and their allowed closing velocities
     for q in range(node.link_count):
         link = links[node.first_link + q]
-        is_touching = node.first_link + q == i or link.overlap >= 0
+        is_closing = node.first_link + q == i  # the link whose event this is
+        is_touching = is_closing or link.overlap >= 0
         link.unknown_index = NONE
         if link.law == Law.IMPACT and is_touching:
             link.unknown_index = q  # any number but NONE
@@ -229,8 +230,8 @@ def record_piece(state: State, node: Node, ticks: int) -> None:
         if run.keeps_history:
             keep_history(state, node, link, ticks)
         set_end_state(link, h)
-        # Status of the contact as it is logged, and since which tick it has it: open,
-        # or touching without a force; the latter is replaced below if it presses
+        # Status of the contact as it is logged, and the tick since which it has this
+        # status. It is open or touches, unless it is found to press (below).
         if link.status == Status.OPEN:
             logged = Status.OPEN.value
         else:

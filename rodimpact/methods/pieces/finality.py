@@ -95,10 +95,10 @@ def time_until_over(run: Run, links: Links, parts: Parts) -> float:
     """Return the time until the run may be proved to be over, s; 0 if it is proved now.
 
     It is proved if no contact presses and none can close again, or if nothing changes
-    any more. Otherwise the result is the longest of the finite times after which open
-    contacts may be proved to stay open, see `time_until_apart`, but at least a tick.
-    Velocities up to REST_RTOL times the velocity scale plus TRUNCATION_SHARE times the
-    tolerance of pieces count as 0.
+    any more; always if no contact can open. Otherwise the result is the longest of the
+    finite times after which open contacts may be proved to stay open, see
+    `time_until_apart`, but at least a tick. Velocities up to REST_RTOL times the
+    velocity scale plus TRUNCATION_SHARE times the tolerance of pieces count as 0.
     """
     # Velocities up to this one count as 0, m/s.
     tolerance = REST_RTOL * run.velocity_scale + TRUNCATION_SHARE * run.tolerance
@@ -173,7 +173,7 @@ def max_deviation(group: GroupPart, compliance: float) -> float:
     """Return a bound of the deviation of an end of a group at any later time, m.
 
     The deviation is the displacement of the end from the reference motion. The bound is
-    sqrt(2 E s), with the energy E of the group about this motion, and the `compliance`
+    sqrt(2 W s), with the energy W of the group about this motion, and the `compliance`
     s, m/N, the entry of `compliance_integrals` for this end.
     """
     return math.sqrt(2 * group.reference_energy * compliance)
@@ -274,11 +274,11 @@ def set_end(state: State, first: int, stop: int, mass: float, side: int) -> None
     fraction of the mass that lies beyond x as seen from the end. In an anchored group g
     is 1 (there, the numbers for the anchored end itself have no meaning).
 
-    The compliance integral s, m/N, bounds later deviations by sqrt(2 E s), with the
-    energy E about the reference motion. s is the sum of the integral of g^2 dx/(E A)
-    over each segment, with Young's modulus E here, and g^2/k of each joint with a
-    spring k. It is raised so that the bound of the deviation grows by the largest
-    stretch of joints that are only dashpots. An endless rod makes s very large.
+    The compliance integral s, m/N, bounds later deviations by sqrt(2 W s), with the
+    energy W about the reference motion. s is the sum of the integrals of g^2 dx/(E A)
+    over the segments, and of g^2/k of the joints with a spring k. It is raised so that
+    the bound of the deviation grows by the largest stretch of joints that are only
+    dashpots. An endless rod makes s very large.
     """
     group = state.parts[first]
     is_anchored = group.anchor_line != NONE
@@ -287,7 +287,7 @@ def set_end(state: State, first: int, stop: int, mass: float, side: int) -> None
     passed = 0.0  # mass of the parts so far, kg
     deviation = 0.0
     compliance = 0.0  # s without dashpots
-    dashpot_stretch = 0.0  # largest stretch of all dashpots, over sqrt(2 E)
+    dashpot_stretch = 0.0  # largest stretch of all dashpots, over sqrt(2 W)
     for k in range(first, stop):
         part = state.parts[k]
         passed_before = passed
@@ -304,7 +304,7 @@ def set_end(state: State, first: int, stop: int, mass: float, side: int) -> None
             g1 = passed / mass
         if part.kind == Part.SEGMENT:
             transit = state.runs[0].tick_duration * state.lines[2 * part.index].delay
-            # `strain_integral` is in m/s: it is divided by the transit time.
+            # `strain_integral` is an integral divided by the transit time.
             deviation += sign * strain_integral(part, g0, g1) * transit
             # The mean of g^2 where g is linear is (g0^2 + g0 g1 + g1^2)/3.
             compliance += part.compliance * (g0 * g0 + g0 * g1 + g1 * g1) / 3
@@ -316,14 +316,14 @@ def set_end(state: State, first: int, stop: int, mass: float, side: int) -> None
             else:
                 # The stretch of a dashpot c is its impulse over c. The impulse is the
                 # change of the momentum of one side. The momentum of a mass m is at
-                # most sqrt(2 E m), its change at most twice that: the stretch is at
-                # most 2 sqrt(2 E m)/c.
+                # most sqrt(2 W m), its change at most twice that: the stretch is at
+                # most 2 sqrt(2 W m)/c.
                 heavier_side = max(passed, mass - passed)
                 dashpot_stretch += 2 * g0 * math.sqrt(heavier_side) / joint.damping
         elif part.kind == Part.ENDLESS:
             # This is so large that the sum of the other parts is negligible.
             compliance = part.compliance
-    if dashpot_stretch > 0:  # the end deviates by at most sqrt(2 E) total
+    if dashpot_stretch > 0:  # the end deviates by at most sqrt(2 W) total
         total = math.sqrt(compliance) + dashpot_stretch
         compliance = total * total
     group.end_deviations[side] = deviation

@@ -76,6 +76,7 @@ def records_of_family(objects: list[Any], record: Any, row: Row) -> Any:
                 _copy_list(records[..., i][name], value)
             else:
                 records[name][..., i] = value
+    # The axes of the family become one axis of members.
     return records.reshape(row.members, len(objects))
 
 
@@ -265,7 +266,7 @@ class InitialLines:
             """Ticks from the left end of the segment to positions x in the rod, m."""
             shares = (x - begin) / segment.length
             ticks = np.rint(shares * transit).astype(np.int64)
-            for share, tick in jump_ticks:
+            for share, tick in jump_ticks:  # positions of jumps
                 ticks[np.abs(shares - share) < JUMP_RTOL] = tick
             return ticks
 

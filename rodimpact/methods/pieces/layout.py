@@ -517,9 +517,11 @@ def add_ground(parts: list[Any], head: int, kind: str, line: int) -> None:
     endless rod; nothing is added for other kinds. `line`, the line from outside,
     becomes the `anchor_line` of the group.
     """
+    no_mass = 0.0
+    rigid = 0.0  # compliance
     if kind == "velocity":
-        add_part(parts, head, Part.WALL.value, NONE, 0.0, 0.0)
+        add_part(parts, head, Part.WALL.value, NONE, no_mass, rigid)
         parts[head].anchor_line = line
     elif kind == "absorbing":
-        add_part(parts, head, Part.ENDLESS.value, NONE, 0.0, UNHELD_COMPLIANCE)
+        add_part(parts, head, Part.ENDLESS.value, NONE, no_mass, UNHELD_COMPLIANCE)
         parts[head].anchor_line = line

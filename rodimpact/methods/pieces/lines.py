@@ -215,7 +215,7 @@ def append_piece(
         line.first_piece = i
         line.read_piece = i
     elif degree == 0 and log[old].degree == 0 and log[old].coefficients[0] == c[0]:
-        log[old].end = stop
+        log[old].end = stop  # the same constant goes on
         return NONE
     else:
         log[old].next = i

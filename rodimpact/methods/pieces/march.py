@@ -98,7 +98,8 @@ def run_nodes(state: State) -> int:
         borrowed(state.contact_log),
         borrowed(state.matrix),
     )
-    # Largest numbers of rows that one step may append to both logs
+    # Upper bounds of the rows that one step may append to the logs: two leaving waves,
+    # and the rows of links and masses
     step_rows = 2 + ROWS_PER_LINK * len(state.links) + len(state.masses)
     step_events = len(state.links) + MAX_STATUS_CHANGES
     run.stop_reason = Stop.NONE.value
@@ -168,8 +169,8 @@ def advance(state: State, node: Node) -> bool:
         event_errors.record_event(run, state.links, node, event, h)
         ticks = event_ticks(run, state.links[event.link].status, result)
         cut_piece(state, node, result.ticks, ticks)
-    # The piece is limited if its duration is set by `limit` or by the averaging, not by
-    # its truncation error.
+    # The piece is limited if its duration is set by `limit`, below the wanted duration,
+    # or by the averaging, but not by its truncation error.
     is_at_limit = result.ticks == limit and limit < node.next_ticks
     is_limited = node.is_averaging == 1 or is_at_limit
     record_error(state, node, result, ticks, is_limited)
@@ -283,7 +284,7 @@ def set_next_ticks(run: Run, node: Node, result: PieceResult, is_limited: bool) 
     if result.error > 0:
         ratio = run.tolerance / result.error
         growth = min(MAX_GROWTH, GROWTH_SAFETY * ratio ** (1 / N))
-    wanted = int(result.ticks * max(MIN_GROWTH, growth)) + 1
+    wanted = int(result.ticks * max(MIN_GROWTH, growth)) + 1  # never 0
     if is_limited:
         wanted = max(node.next_ticks, wanted)
     node.next_ticks = wanted
@@ -394,7 +395,8 @@ def solve(state: State, node: Node, ticks: int) -> PieceResult:
     # Duration and error of the last longer piece that failed; error 0: there is none
     ticks_before = ticks
     error_before = 0.0
-    no_event = Event(1.0, NONE, 0)
+    no_status = 0
+    no_event = Event(1.0, NONE, no_status)  # at the end of the piece
     while True:
         h = ticks * run.tick_duration
         take_inputs(state.lines, state.log, node, ticks)
