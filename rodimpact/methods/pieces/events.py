@@ -38,7 +38,7 @@ def apply_transition(state: State, node: Node, tick: int, i: int, status: int) -
     force may jump, else 1, and `overlap_acceleration` becomes 0.
     """
     run = state.runs[0]
-    # Machine code counts no references to borrowed arrays.
+    # For speed: machine code does not count references to borrowed arrays.
     links = borrowed(state.links)
     masses = borrowed(state.masses)
     contact_log = borrowed(state.contact_log)

@@ -249,7 +249,7 @@ def append_values(
     N. Its row in the log is returned, or NONE if a constant piece was lengthened
     instead, see `append_piece`. c is scratch: it is set to the series.
     """
-    # Machine code counts no references to borrowed arrays.
+    # For speed: machine code does not count references to borrowed arrays.
     lines = borrowed(lines)
     log = borrowed(log)
     if series.is_constant(f):

@@ -440,7 +440,7 @@ def take_inputs(all_lines: Lines, log: Log, node: Node, ticks: int) -> None:
     These are the values at the points of the piece; if the node is averaging, the
     values of the parabola nearest to each wave.
     """
-    # Machine code counts no references to borrowed arrays.
+    # For speed: machine code does not count references to borrowed arrays.
     all_lines = borrowed(all_lines)
     log = borrowed(log)
     now = node.now

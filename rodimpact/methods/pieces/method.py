@@ -145,7 +145,7 @@ def solve_family(
     """
     refused = np.zeros(row.system.shape, bool)
     if row.segments:
-        for is_beyond, _, _ in beyond_scales(row):
+        for is_beyond, _path, _sentence in beyond_scales(row):
             refused |= is_beyond
     tolerance = tolerance_of(rtol)
     members = np.flatnonzero(~refused)

@@ -286,12 +286,13 @@ def set_equations(
 
 
 def closing_by_impulse(masses: Masses, node: Node, q: int, p: int) -> float:
-    """Return the closing velocity of link q that a unit impulse in link p adds, 1/kg.
+    """Return the change of the closing velocity of link q by an impulse in link p.
 
-    An impulse in link q itself drives the masses on both sides apart: -1/m_left -
-    1/m_right. An impulse in a neighbouring link pushes the mass between both towards
-    link q: 1/m of that mass. Links further away add 0. The end of a rod counts as
-    infinitely heavy here: its motion is in the term Y F.
+    It is the change for an impulse of 1 N s, 1/kg. An impulse in link q itself drives
+    the masses on both sides apart: -1/m_left - 1/m_right. An impulse in a neighbouring
+    link pushes the mass m between both links towards link q: 1/m. Links further away
+    change nothing: 0. The end of a rod counts as infinitely heavy here, since its
+    motion is in the term Y F.
     """
     # 1/m of the masses on both sides of link q, which are the masses q - 1 and q of the
     # node; 0 for the end of a rod
@@ -316,9 +317,9 @@ def set_block(
     """Set the N by N block of G in the rows of a link, from `column` on.
 
     The columns of the block belong to the force of a second link, which may be the same
-    link (`is_same`). `by_impulse` is the closing velocity of `link` that a unit impulse
-    in the second link adds, 1/kg. h is the duration of the piece, s. If the second
-    force changes by x at the stages,
+    link (`is_same`). `by_impulse` is the change of the closing velocity of `link` by an
+    impulse of 1 N s in the second link, 1/kg. h is the duration of the piece, s. If the
+    second force changes by x at the stages,
 
         closing changes by (h/2) by_impulse S x,
         d changes by share (h/2) S (change of closing - Y x); Y x only if `is_same`,
@@ -393,9 +394,9 @@ def take_step(
             for j in range(1, POINTS):
                 typical_rise = link.by_overlap[j] * run.velocity_scale * h  # N
                 if typical_rise > abs(link.force[j]):  # it is stiff
-                    damped = link.by_closing[j] * link.closing[j]
-                    elastic = link.force[j] - link.base[j] - damped
-                    link.overlaps[j] = elastic / link.by_overlap[j]
+                    by_closing = link.by_closing[j] * link.closing[j]  # N
+                    by_overlap = link.force[j] - link.base[j] - by_closing  # N
+                    link.overlaps[j] = by_overlap / link.by_overlap[j]
 
 
 def collocate(
@@ -412,13 +413,13 @@ def collocate(
     Radau IIA is stiffly accurate: contacts with much shorter time constants than h do
     no harm.
     """
-    # Machine code counts no references to borrowed arrays.
+    # For speed: machine code does not count references to borrowed arrays.
     links = borrowed(links)
     masses = borrowed(masses)
     G = borrowed(G)
     unknown_count = start_forces(links, node)
-    # Residual before the last step: another step follows if it was large. 1 is large
-    # enough for the first step to follow.
+    # Residual before the last step: another step follows if it was large. It starts at
+    # 1, so that there is a first step.
     residual = 1.0
     steps = 0
     update_motion(links, masses, node, h)
