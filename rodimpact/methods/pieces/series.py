@@ -105,7 +105,7 @@ def value(c: Values, y: float) -> float:
         b0 = y2 * b1 - b2 + c[m]
         b2 = b1
         b1 = b0
-    return y * b1 - b2 + c[0]
+    return y * b1 - b2 + c[0]  # b1 and b2 are b_1 and b_2 now
 
 
 def slope_at_end(c: Values, end: float) -> float:
@@ -217,10 +217,10 @@ def remainder(f: Values, integrated: bool) -> float:
 def error_at(f: Values, y: float) -> float:
     """Return an estimate of the error at y of the polynomial with the values f.
 
-    It has two parts. Between the points, the error is that of interpolation without the
-    next polynomial, of degree N + 1: its coefficient, for which `remainder` is taken,
-    times abs(2^N (y - x_0) (y - x_1) ... (y - x_N)), which is 0 at the points. At the
-    points the values have the error of collocation, the `remainder` of the integral.
+    It is the sum of two errors. The error of interpolation is abs(c 2^N (y - x_0)
+    (y - x_1) ... (y - x_N)) with the points x and the first missing coefficient c, of
+    T_(N+1), for which `remainder` is taken. It is 0 at the points. The values at the
+    points have the error of collocation, the `remainder` of the integral.
     """
     product = 1.0  # abs(2^(N+1) (y - x_0) ... (y - x_N)), twice what is wanted
     for j in range(POINTS):

@@ -54,7 +54,7 @@ def last_of(run: Any, links: Any, end: float, round_trip: float) -> float:
     """
     if run.proved_tick < 0:
         return math.nan
-    ends = []  # pairs by contact: end of the force, last opening
+    contact_ends = []  # pairs: end of the force, last opening
     for link in links:
         can_open = link.law >= Law.RIGID
         if can_open and link.episodes > 0:
@@ -70,8 +70,8 @@ def last_of(run: Any, links: Any, end: float, round_trip: float) -> float:
                 opening = link.last_opening_tick * run.tick_duration
             else:
                 opening = math.nan
-            ends.append((force_end, opening))
-    return last_contact(ends, end, round_trip)
+            contact_ends.append((force_end, opening))
+    return last_contact(contact_ends, end, round_trip)
 
 
 def why_stopped(run: Any, has_given_end: bool) -> str:
@@ -92,7 +92,7 @@ def why_stopped(run: Any, has_given_end: bool) -> str:
 def end_of_run(
     run: Any, links: Any, system: Any, stopped_by: str, end: float, t_final: float
 ) -> RunEnd:
-    """Sentences on why a run ended, and on its proof if there was one.
+    """Why a run ended, in sentences, with its proof if there was one.
 
     Parameters
     ----------
