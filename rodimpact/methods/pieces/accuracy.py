@@ -13,7 +13,7 @@ import numpy as np
 
 from ..link import Law
 from ..states import Stop
-from .records import Part
+from .records import PartKind
 
 COARSER = 3.0
 """Tolerance of the second run over that of the first.
@@ -129,7 +129,7 @@ def hidden_errors(fine: Ended, fit: float) -> list[float]:
     common = round_off + loose + resting + FIT_FACTOR * fit
     errors = [common, common, common, common, common]  # one for each measure
     values = measures_of(fine)
-    if all(part.kind != Part.SEGMENT for part in fine.parts):  # there are no rods
+    if all(part.kind != PartKind.SEGMENT for part in fine.parts):  # there are no rods
         add_faint_times(fine, errors)
     peak = max_abs(values[PEAK_FORCE])
     if peak > 0:
@@ -140,7 +140,7 @@ def hidden_errors(fine: Ended, fit: float) -> list[float]:
         errors[PEAK_FORCE] += PEAK_FACTOR * max_abs(excesses) / peak
     event_error = EVENT_FACTOR * max_abs([link.event_error for link in fine.links])
     # Uncertainty of the ends of faint forces, s
-    cut = run.tick_duration * max_abs([link.cut_ticks for link in fine.links])
+    cut = run.tick_duration * max_abs([link.uncertain_ticks for link in fine.links])
     for i in range(UNTIMED_MEASURES, len(errors)):  # durations and times
         longest = max_abs(values[i])
         if longest > 0:
@@ -268,7 +268,7 @@ def wave_difference(fine: Ended, coarse: Ended) -> float:
     finality, are compared. If both runs had this check at different ticks, or there are
     no segments, 0 is returned.
     """
-    if fine.run.last_proof_tick != coarse.run.last_proof_tick:
+    if fine.run.last_check_tick != coarse.run.last_check_tick:
         return 0.0
     changes = []
     for part, other in zip(fine.parts, coarse.parts, strict=True):
@@ -305,7 +305,7 @@ def momentum_error(fine: Ended) -> float:
         is_free = True
         for part in fine.parts[first : first + group.part_count]:
             mass += part.mass
-            is_anchor = part.kind >= Part.WALL
+            is_anchor = part.kind >= PartKind.WALL
             is_free = is_free and not is_anchor
         if is_free and mass > 0:
             momentum = 0.0  # change since t = 0, kg m/s

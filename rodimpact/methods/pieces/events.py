@@ -353,7 +353,7 @@ def log_contact_change(
     log, with the impulse 0; `logged_status` of the link and its totals are updated:
     ticks of the first and last force and of the last opening, and the number of
     episodes. If a force ends faintly, so that the tick of its end is uncertain,
-    `cut_ticks` is raised by this uncertainty.
+    `uncertain_ticks` is raised by this uncertainty.
     """
     if logged == Status.PRESS:
         if link.first_force_tick == NONE:
@@ -364,7 +364,7 @@ def log_contact_change(
         link.last_force_tick = tick
         if link.status >= Status.PRESS:  # it has only become faint
             # This happened somewhere in the last piece, which has `fading_ticks`.
-            link.cut_ticks += link.fading_ticks
+            link.uncertain_ticks += link.fading_ticks
     if logged == Status.OPEN:
         # It pressed in this episode, but its force was logged as ended before now.
         ended_faintly = link.logged_status == Status.GRAZE and link.starts_episode == 0
@@ -372,7 +372,7 @@ def log_contact_change(
             # A compliant contact without damping presses until it opens: the end of its
             # force was logged too early by the time since then. This time replaces
             # `fading_ticks`, which were added when the end was logged.
-            link.cut_ticks += tick - link.last_force_tick - link.fading_ticks
+            link.uncertain_ticks += tick - link.last_force_tick - link.fading_ticks
         link.starts_episode = 1
         link.last_opening_tick = tick
     link.logged_status = logged

@@ -22,7 +22,7 @@ from .records import (
     Link,
     Links,
     Log,
-    Part,
+    PartKind,
     Parts,
     Run,
     State,
@@ -44,7 +44,7 @@ def check_finality(state: State, tick: int) -> None:
     The motion of all groups is set, and a proof of finality is tried. If it succeeds,
     `proved_tick` and `end_tick` of the run are set, otherwise `next_proof_tick`. The
     first check of a run tries no proof, but records the velocities at t = 0; a check at
-    the end of the run, or at the cap on steps, tries none either. `last_proof_tick`
+    the end of the run, or at the cap on steps, tries none either. `last_check_tick`
     becomes the tick of the check. None of this is done after a proof, unless bodies are
     bonded, since the motion of groups no longer changes.
 
@@ -58,7 +58,7 @@ def check_finality(state: State, tick: int) -> None:
         # The run has ended at the cap on steps, or ends at this tick.
         has_ended = run.stop_reason != Stop.NONE or tick >= run.end_tick
         wants_proof = run.next_proof_tick < NEVER and not has_ended
-        if run.last_proof_tick == NONE:  # the first check
+        if run.last_check_tick == NONE:  # the first check
             for i in range(len(parts)):
                 parts[i].initial_velocity = parts[i].group_velocity
         elif wants_proof:
@@ -71,7 +71,7 @@ def check_finality(state: State, tick: int) -> None:
                 # The bound keeps the tick of the next proof below NEVER.
                 ticks = int(min(wait / run.tick_duration, 0.5 * NEVER)) + 1
                 run.next_proof_tick = tick + max(run.proof_interval, ticks)
-        run.last_proof_tick = tick
+        run.last_check_tick = tick
     if tick >= run.end_tick:
         run.stop_reason = Stop.DONE.value
 
@@ -238,11 +238,11 @@ def update_part(state: State, part: GroupPart, speed: float, tick: int) -> None:
     velocity: the field stays 0.
     """
     part.vibration_energy = 0.0
-    if part.kind == Part.MASS:
+    if part.kind == PartKind.MASS:
         part.mean_velocity = state.masses[part.index].velocity[0]
         excess = part.mean_velocity - speed
         part.vibration_energy = part.mass * (excess * excess) / 2
-    elif part.kind == Part.SEGMENT:
+    elif part.kind == PartKind.SEGMENT:
         # Segment s has the lines 2 s, to the right, and 2 s + 1, to the left.
         transit = state.lines[2 * part.index].delay
         squares = 0.0
@@ -258,7 +258,7 @@ def update_part(state: State, part: GroupPart, speed: float, tick: int) -> None:
         integral = part.wave_integrals[0] + part.wave_integrals[1]
         part.mean_velocity = speed + integral / 4
         part.vibration_energy = part.mass * squares / 8
-    elif part.kind == Part.JOINT:
+    elif part.kind == PartKind.JOINT:
         joint = state.links[part.index]
         part.vibration_energy = joint.stiffness * (joint.overlap * joint.overlap) / 2
 
@@ -302,13 +302,13 @@ def set_end(state: State, first: int, stop: int, mass: float, side: int) -> None
         else:  # the mass to the left, seen from the right end
             g0 = passed_before / mass
             g1 = passed / mass
-        if part.kind == Part.SEGMENT:
+        if part.kind == PartKind.SEGMENT:
             transit = state.runs[0].tick_duration * state.lines[2 * part.index].delay
             # `strain_integral` is an integral divided by the transit time.
             deviation += sign * strain_integral(part, g0, g1) * transit
             # The mean of g^2 where g is linear is (g0^2 + g0 g1 + g1^2)/3.
             compliance += part.compliance * (g0 * g0 + g0 * g1 + g1 * g1) / 3
-        elif part.kind == Part.JOINT:  # it has no mass: g0 and g1 are equal
+        elif part.kind == PartKind.JOINT:  # it has no mass: g0 and g1 are equal
             joint = state.links[part.index]
             if part.compliance > 0:  # it has a spring, which stretches by -overlap
                 deviation -= sign * joint.overlap * g0
@@ -320,7 +320,7 @@ def set_end(state: State, first: int, stop: int, mass: float, side: int) -> None
                 # most 2 sqrt(2 W m)/c.
                 heavier_side = max(passed, mass - passed)
                 dashpot_stretch += 2 * g0 * math.sqrt(heavier_side) / joint.damping
-        elif part.kind == Part.ENDLESS:
+        elif part.kind == PartKind.ENDLESS:
             # This is so large that the sum of the other parts is negligible.
             compliance = part.compliance
     if dashpot_stretch > 0:  # the end deviates by at most sqrt(2 W) total
@@ -344,7 +344,7 @@ def bound_end_velocities(state: State, first: int, stop: int) -> None:
     other_parts = 0
     for k in range(first, stop):
         part = state.parts[k]
-        if part.kind == Part.SEGMENT:
+        if part.kind == PartKind.SEGMENT:
             segments += 1
             for way in range(2):  # the lines to the right and to the left
                 low, high = wave_bounds(
@@ -356,10 +356,10 @@ def bound_end_velocities(state: State, first: int, stop: int) -> None:
                 )
                 group.min_wave = low
                 group.max_wave = high
-        elif part.kind < Part.WALL:  # a mass or a joint
+        elif part.kind < PartKind.WALL:  # a mass or a joint
             other_parts += 1
     for k in range(first, stop):
-        if state.parts[k].kind == Part.WALL:
+        if state.parts[k].kind == PartKind.WALL:
             # A wall with the velocity V, which is the reference velocity of the group,
             # reflects a wave w as 2 V - w: the largest wave as the smallest.
             reflected_min = 2 * group.reference_velocity - group.max_wave

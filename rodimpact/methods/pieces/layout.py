@@ -26,7 +26,7 @@ from .records import (
     PIECE,
     RUN,
     SMOOTH,
-    Part,
+    PartKind,
 )
 from .series import POINTS, N
 
@@ -158,7 +158,7 @@ def lay_out(
     lines = make_lines(clock, initial_lines, line_count)
     run = make_run(row, clock, request, shortest, initial_lines)
     for part in parts:
-        is_anchor = part.kind >= Part.WALL
+        is_anchor = part.kind >= PartKind.WALL
         is_alone = part.part_count == 1
         if is_anchor and not is_alone:  # a body is bonded to the wall or endless rod
             run.has_bonds = 1
@@ -250,7 +250,7 @@ def set_proof(run: Any, row: Any, shortest: Any, longest: Any) -> None:
     drive never tries one. `has_bonds` is 1 if some contact of the row cannot open.
     """
     run.proved_tick = NONE
-    run.last_proof_tick = NONE
+    run.last_check_tick = NONE
     run.proof_interval = np.maximum(shortest, longest // PROOFS_PER_TRANSIT)
     run.next_proof_tick = run.proof_interval
     if has_external_drive(row.system):
@@ -471,15 +471,15 @@ def make_parts(row: Any, nodes: list[Any], links: list[Any], outside: Any) -> li
             elif link.law == Law.JOINT:
                 compliance = joint_compliance(link.stiffness)
                 no_mass = 0.0
-                add_part(parts, head, Part.JOINT.value, i, no_mass, compliance)
+                add_part(parts, head, PartKind.JOINT.value, i, no_mass, compliance)
             if q < node.link_count - 1:  # a mass follows the link
                 m = node.first_mass + q
                 rigid = 0.0  # compliance
-                add_part(parts, head, Part.MASS.value, m, row.masses[m], rigid)
+                add_part(parts, head, PartKind.MASS.value, m, row.masses[m], rigid)
         if k < len(row.segments):
             segment = row.segments[k]
             compliance = segment.transit_time / segment.impedance  # L/(E A)
-            add_part(parts, head, Part.SEGMENT.value, k, segment.mass, compliance)
+            add_part(parts, head, PartKind.SEGMENT.value, k, segment.mass, compliance)
     add_ground(parts, head, row.boundaries[1][0], outside[1])
     return parts
 
@@ -497,7 +497,7 @@ def add_part(
     """Append a part to `parts`, and count it in its group.
 
     The group begins with part `head`, which may be the new part. The part has the kind
-    `kind` (a `Part`), the number `index` among parts of its kind, a mass, kg, and a
+    `kind` (a `PartKind`), the number `index` among parts of its kind, a mass, kg, and a
     compliance, m/N.
     """
     part = blank(1, GROUP_PART)[0]
@@ -520,8 +520,8 @@ def add_ground(parts: list[Any], head: int, kind: str, line: int) -> None:
     no_mass = 0.0
     rigid = 0.0  # compliance
     if kind == "velocity":
-        add_part(parts, head, Part.WALL.value, NONE, no_mass, rigid)
+        add_part(parts, head, PartKind.WALL.value, NONE, no_mass, rigid)
         parts[head].anchor_line = line
     elif kind == "absorbing":
-        add_part(parts, head, Part.ENDLESS.value, NONE, no_mass, UNHELD_COMPLIANCE)
+        add_part(parts, head, PartKind.ENDLESS.value, NONE, no_mass, UNHELD_COMPLIANCE)
         parts[head].anchor_line = line

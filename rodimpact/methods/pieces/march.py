@@ -108,8 +108,8 @@ def run_nodes(state: State) -> int:
         # The next check of finality is due once all nodes have reached this tick.
         check_tick = min(run.end_tick, run.next_proof_tick)
         # The first check is due at once, to record the velocities at t = 0. Until then
-        # `last_proof_tick`, the tick of the last check, is NONE.
-        is_due = run.last_proof_tick == NONE or earliest.now >= check_tick
+        # `last_check_tick`, the tick of the last check, is NONE.
+        is_due = run.last_check_tick == NONE or earliest.now >= check_tick
         rows_after = run.piece_count + step_rows  # after one more step
         events_after = run.contact_event_count + step_events
         is_full = rows_after > len(state.log) or events_after > len(state.contact_log)

@@ -43,7 +43,7 @@ from .accuracy import (
 from .clock_setup import has_profiles, own_laws
 from .driver import Members
 from .layout import RunRequest
-from .records import Part
+from .records import PartKind
 from .signals import signals_of
 
 LACKS = (physics.DAMPING, physics.LATERAL, physics.TAPER, physics.SOIL, physics.DRAG)
@@ -419,7 +419,7 @@ def _group_velocities(family: Members) -> tuple[list[Any], list[Any]]:
     shape = row.system.shape
     run = family.runs[:, 0].reshape(shape)
     frame_after = (
-        row.frame + row.system.gravity * run["last_proof_tick"] * run["tick_duration"]
+        row.frame + row.system.gravity * run["last_check_tick"] * run["tick_duration"]
     )
     before = []
     after = []
@@ -453,11 +453,11 @@ def vibration_of(family: Members) -> list[Any]:
         energy = np.zeros(len(parts))
         for s in range(first, last + 1):
             # Spans count segments from 1, parts from 0.
-            energy = energy + part_energies[Part.SEGMENT, s - 1]
+            energy = energy + part_energies[PartKind.SEGMENT, s - 1]
         if 0 <= m < len(row.masses):  # a rigid mass that is not bonded to a wall
             # Mass m is the common mass of bonded bodies.
             share: Any = np.asarray(body.mass) / np.asarray(row.masses[m])
-            energy = part_energies[Part.MASS, m] * row.of(share)
+            energy = part_energies[PartKind.MASS, m] * row.of(share)
         energies.append(energy)
     return energies
 

@@ -27,7 +27,7 @@ SideSeries: TypeAlias = Annotated[Sequence[MutableSequence[float]], ("f8", (2, P
 """Values at the points of a piece, for the left and for the right side."""
 
 
-class Part(IntEnum):
+class PartKind(IntEnum):
     """Kind of a part of a group of bonded bodies.
 
     The order counts: kinds >= WALL anchor the group, kinds < WALL are its bodies and
@@ -134,7 +134,7 @@ class Link(link.Link):
     # is so long that the force is round-off
     faint_ticks: Tick
     fading_ticks: Tick  # duration of its last piece with force, if it ended faintly
-    cut_ticks: Tick  # uncertainty of the ends of forces that become faint, summed
+    uncertain_ticks: Tick  # uncertainty of the ends of forces that become faint, summed
     episodes: int
     event_error: float  # largest error of the time of an event within its piece, s
     # Largest change of the time of an event if velocities are wrong by their scale, s
@@ -171,7 +171,7 @@ class ContactEvent:
 class GroupPart:
     """A part of a group of bonded bodies, between two contacts that can open."""
 
-    kind: int  # `Part`
+    kind: int  # `PartKind`
     index: int  # number of the segment, mass or joint (a link); NONE for anchors
     part_count: int  # number of parts of the group, at its first part; 0 at the others
     # At the first part: line of the wall or endless rod that anchors the group, or NONE
@@ -211,7 +211,7 @@ class Run:
     halves_pieces: int  # 1: a run for comparison, see `march.piece_end`
     proved_tick: Tick  # tick of the proof of finality, NONE before
     has_bonds: int  # 1: bodies are joined to others, a wall or an endless rod
-    last_proof_tick: Tick  # tick of the last check of finality, NONE before
+    last_check_tick: Tick  # tick of the last check of finality, NONE before
     next_proof_tick: Tick  # tick of the next check; NEVER if no proof is wanted
     proof_interval: Tick  # least time between two checks
     ticks_after_proof: Tick  # time to go on after the proof; NEVER: to `end_tick`
