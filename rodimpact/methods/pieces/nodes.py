@@ -440,11 +440,12 @@ def collocate(
 
 
 def set_initial_forces(links: Links, node: Node) -> None:
-    """Set the forces at the start of a piece, and their derivatives, if unknown so far.
+    """Set the unknown forces at point 0, the start of a piece, and their derivatives.
 
-    The contact laws give them as functions of the overlap and the closing velocity at
-    the start. The force between bodies at rest (REST) follows no law: it is
-    extrapolated from the stages, and its derivatives are left as they are.
+    Newton's method has found them at the stages only. The contact laws give them at the
+    start, from the overlap and the closing velocity there. The force between bodies at
+    rest (REST) follows no law: it is extrapolated from the stages, and its derivatives
+    are left as they are.
     """
     for q in range(node.link_count):
         link = links[node.first_link + q]
@@ -519,9 +520,10 @@ def truncation_error(links: Links, masses: Masses, node: Node) -> float:
     The tail of a series is its last two coefficients, see `series.truncation_estimate`.
     The series are those of incoming waves, leaving waves, velocities of masses, and
     forces. Incoming waves count too, as they may cancel in the leaving ones. Forces are
-    converted to velocities: a push F to 2 Y F, the force of a link to the velocity that
-    it makes in a typical piece. The force of a link that is alone in its node does not
-    count, as it is seen in the leaving waves. `node.outgoing` is overwritten.
+    converted to velocities: a push F to 2 F `effective_mobility`, the force of a link
+    to the velocity that it makes in a typical piece. The force of a link that is alone
+    in its node does not count, as it is seen in the leaving waves. `node.outgoing` is
+    overwritten.
     """
     worst = 0.0
     for side in range(2):

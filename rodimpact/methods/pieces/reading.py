@@ -24,7 +24,7 @@ def waves_of(log: Any, count: int) -> list[Any]:
     ]
     for i, piece in enumerate(log):
         wave = waves[piece.line]
-        passed = (0.0, 0.0)
+        passed = (0.0, 0.0)  # integrals of the wave and of its square
         if len(wave["piece"]) > 0:
             passed = passed_by(wave, piece.start)
         wave["passed"].append(passed)

@@ -85,7 +85,8 @@ def _with_bonds(
 
     def inertia_force(body: int) -> Pieces:
         """Mass times acceleration of a rigid body, N."""
-        return _rate(masses[body], float(row.system.bodies[body].mass) / tick)
+        mass = float(row.system.bodies[body].mass)
+        return _rate(masses[body], mass / tick)  # rates per tick, divided by the tick
 
     forces: list[Pieces | None] = []
     for contact in contacts:
