@@ -215,6 +215,7 @@ def _result_of(members: Members, accuracy: dict[str, float], goal: float) -> Run
     transits = [int(transit) for transit in members.clock.transits]
     clock = clock_of(row, transits, run.tick_duration, scale=float(members.clock.scale))
     tick = clock.tick
+    # A run that stopped at the cap has nodes at different times: the earliest counts.
     end_tick = min(int(state.nodes["now"].min()), run.end_tick)
     stopped_by = totals.why_stopped(run, until is not None)
     if until is not None and stopped_by == "until":
@@ -248,6 +249,7 @@ def _result_of(members: Members, accuracy: dict[str, float], goal: float) -> Run
         status=status,
         events=run.steps,
         contacts=_tallies(row, ended.links, tick, end_tick, make_signals),
+        # `results.energy` fills in the energies that are missing here.
         motion=(
             Motion(velocities=_floats(before), vibration=[], kinetic=math.nan),
             Motion(velocities=_floats(after), vibration=vibration, kinetic=math.nan),
@@ -362,6 +364,7 @@ def _bond_tally(force: Pieces, tick: float, now: int) -> ContactTally:
     peak force are computed; `duration` and `episodes` are 0, `first` and `last` nan.
     """
     impulse = float(force.integral(0, now)) * tick
+    # The signal is straight between its marks: its largest value is at one of them.
     peak = max(0.0, float(force.at(force.marks).max()))
     return ContactTally(
         impulse,
@@ -442,6 +445,7 @@ def vibration_of(family: Members) -> list[Any]:
     """
     row = family.row
     parts = family.parts
+    # All members have the same parts as member 0.
     kinds = parts["kind"][0].tolist()
     indices = parts["index"][0].tolist()
     part_energies = {}  # arrays by member, J, for each kind and index of a part
