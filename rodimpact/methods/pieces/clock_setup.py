@@ -57,9 +57,9 @@ def contact_times(row: Row) -> dict[int, Any]:
 
     The keys are the numbers of the links; a time is a number, or an array by member. A
     mass m that closes with velocity v against F = k d^p stops where
-    m v^2/2 = k d^q/q with q = p + 1, at the overlap d = (q m/(2 k))^(1/q) v^(2/q). It
-    takes about d/v to stop, and as long to return: the estimate is 3 d/v. m is the
-    largest mass, and v is `closing_velocity`.
+    m v^2/2 = k d^q/q with q = p + 1, at the overlap d = (q m/(2 k))^(1/q) v^(2/q). The
+    estimate is 3 d/v; the time would be pi d/v for a spring, and 2.94 d/v for a Hertz
+    contact (p = 3/2). m is the largest mass, and v is `closing_velocity`.
     """
     v = closing_velocity(row)
     times = {}
