@@ -102,13 +102,13 @@ def prepare_second_run(fine: Any, coarse: Any) -> None:
     )
 
 
-def hidden_errors(fine: Ended, fit: float) -> list[float]:
+def hidden_errors(fine: Ended, fit_error: float) -> list[float]:
     """Relative errors that a second run does not show, [measure] of `MEASURES`.
 
     All measures have a common error. It is the sum of the round-off of all steps, an
     error at loose tolerances, the largest opening velocity that was set to 0, and
-    FIT_FACTOR times `fit`, the largest difference of given functions from their pieces;
-    all are relative to the velocity scale.
+    FIT_FACTOR times `fit_error`, the largest difference of given functions from their
+    pieces; all are relative to the velocity scale.
 
     Peak forces, and the times of events, depend on the value of a signal at one point,
     which may be wrong by the same amount in both runs. So peak forces have a further
@@ -126,7 +126,7 @@ def hidden_errors(fine: Ended, fit: float) -> list[float]:
     round_off = ROUND_OFF * (ROUND_OFFS_OF_STEP + math.sqrt(run.steps))
     # Velocities that are larger than the scale, and cancel, have a larger round-off.
     round_off = round_off * max(1.0, largest_velocity)
-    common = round_off + loose + resting + FIT_FACTOR * fit
+    common = round_off + loose + resting + FIT_FACTOR * fit_error
     errors = [common, common, common, common, common]  # one for each measure
     values = measures_of(fine)
     if all(part.kind != PartKind.SEGMENT for part in fine.parts):  # there are no rods

@@ -91,10 +91,10 @@ class Members:
         Records; each member has one run.
     first_pieces : [member, piece] PIECE
         Pieces that are known at t = 0.
-    fit : float
+    fit_error : float
         Largest difference of profiles from these pieces, as in `InitialLines`, relative
         to the velocity scale.
-    carried : float
+    carried_error : float
         Stated error of the run from whose state this one goes on, relative to the
         velocity scale.
 
@@ -117,8 +117,8 @@ class Members:
         initial = InitialLines(row, self.clock, jumps, request)
         laid = layout.lay_out(row, self.clock, request, initial.lines, initial.outside)
         self.first_pieces = np.concatenate(initial.log, axis=1)
-        self.fit = initial.fit
-        self.carried = initial.carried
+        self.fit_error = initial.fit_error
+        self.carried_error = initial.carried_error
         runs, nodes, links, masses, lines, parts = laid
         self.runs = records_of_family(runs, RUN, row)
         self.nodes = records_of_family(nodes, NODE, row)
@@ -211,7 +211,7 @@ class Members:
             self.records(name)[member] = self.batch.array(name)
 
     def run_member(self, member: int = 0, report: ProgressReport = no_report) -> None:
-        """Run a member to its end, or to the limit of steps, and store its records.
+        """Run a member to its end, or to the cap on steps, and store its records.
 
         It runs in slices of steps. A slice that does not reach the end of the run stops
         with CAP. Then `report` gets the numbers of steps so far and of expected steps,
@@ -220,17 +220,17 @@ class Members:
         batch = self.batch
         batch.choose_form(MIN_RUN_TIME)  # plain Python, until machine code pays
         self.load(member)
-        limit = self.request.limit
+        max_steps = self.request.max_steps
         steps = 0  # done so far
         stop = Stop.CAP
-        while stop == Stop.CAP and steps < limit:
+        while stop == Stop.CAP and steps < max_steps:
             if batch.is_compiled:
                 slice_steps = COMPILED_STEPS
             else:
                 # A slice is half as long as all slices before it: there are few
                 # decisions whether to compile, and none is late.
                 slice_steps = max(PLAIN_STEPS, steps // 2)
-            self._set_limit(min(limit, steps + slice_steps))
+            self._set_max_steps(min(max_steps, steps + slice_steps))
             stop = self._run_slice()
             run = batch.objects("runs")[0]
             slice_time = (run.steps - steps) * STEP_TIME  # s, in plain Python
@@ -238,21 +238,21 @@ class Members:
             if stop == Stop.CAP:
                 report(steps, self._expected_steps(run))
                 batch.choose_form(slice_time)
-        self._set_limit(limit)  # in the record that is stored, not that of a slice
+        self._set_max_steps(max_steps)  # the record keeps this, not that of a slice
         self.store(member)
 
-    def _set_limit(self, limit: int) -> None:
+    def _set_max_steps(self, max_steps: int) -> None:
         """Set `max_steps`, the largest number of steps, of the run in the batch."""
         runs: Any = self.batch.state.runs
         if self.batch.is_compiled:
-            runs["max_steps"] = limit
+            runs["max_steps"] = max_steps
         else:
-            runs[0].max_steps = limit
+            runs[0].max_steps = max_steps
 
     def _expected_steps(self, run: Run) -> int | None:
         """Estimated number of all steps of a run to a given end, or None.
 
-        It assumes that steps are evenly spread over time, and is at most the limit of
+        It assumes that steps are evenly spread over time, and is at most the cap of
         the request. It is None if a proof may end the run, and as long as some node is
         still at t = 0.
         """
@@ -261,7 +261,7 @@ class Members:
         if is_ended_by_proof or reached <= 0:
             return None
         expected = int(run.steps * (float(run.end_tick) / reached)) + 1
-        return min(self.request.limit, expected)
+        return min(self.request.max_steps, expected)
 
     def _run_slice(self) -> Stop:
         """Continue the run up to its `max_steps`; return why it stopped, never FULL.

@@ -119,10 +119,10 @@ class InitialLines:
     outside : list of int
         Numbers of the lines from outside to the left and right end, NONE for the free
         end of a rod.
-    fit : float
+    fit_error : float
         Largest difference of a profile from its pieces, or of a function from its
         samples, relative to the velocity scale.
-    carried : float
+    carried_error : float
         Stated error of the run from whose state this one goes on, relative to the
         velocity scale.
     """
@@ -146,8 +146,8 @@ class InitialLines:
         self._request = request
         self.log = list[Any]()
         self.lines = list[InitialLine]()
-        self.fit = 0.0
-        self.carried = 0.0
+        self.fit_error = 0.0
+        self.carried_error = 0.0
         for rod, s, begin in segments_of(row):
             self._add_under_way(s, rod, begin)
         self.outside = [self._add_outside(side) for side in (0, 1)]
@@ -191,8 +191,8 @@ class InitialLines:
         tolerance.
 
         Two attributes of this class, relative to the velocity scale, are raised if an
-        error is larger: `fit` to the error of the fit and to those of samples,
-        `carried` to those of polynomials.
+        error is larger: `fit_error` to the error of the fit and to the errors of
+        samples, `carried_error` to the errors of polynomials.
         """
         scale = float(self._clock.scale)
         # A quarter of the tolerance of pieces, m/s
@@ -207,13 +207,14 @@ class InitialLines:
         pieces, miss = profile_pieces.in_pieces(
             signal, start, stop, break_size=tolerance, largest_miss=largest_miss
         )
-        self.fit = max(self.fit, miss / scale)
+        self.fit_error = max(self.fit_error, miss / scale)
         for profile, factor in profiles:
             if isinstance(profile, Samples):
-                self.fit = max(self.fit, abs(factor) * profile.error / scale)
+                error = abs(factor) * profile.error / scale
+                self.fit_error = max(self.fit_error, error)
             elif isinstance(profile, Polynomials):
                 error = abs(factor) * profile.error / scale
-                self.carried = max(self.carried, error)
+                self.carried_error = max(self.carried_error, error)
         return pieces
 
     def _add_under_way(self, s: int, rod: Any, begin: Any) -> None:
@@ -360,8 +361,8 @@ class InitialLines:
 
         `value` is a profile over time, which acts on an end of the row of this `kind`.
         The pieces fit factor * value + start + slope * t, see `OutsideSignal`. There is
-        only one member, since the values at the ends of a family are constant. `fit`
-        and `carried` may be raised, see `_fit_pieces`.
+        only one member, since the values at the ends of a family are constant.
+        `fit_error` and `carried_error` may be raised, see `_fit_pieces`.
         """
         until = self._request.until
         assert until is not None  # a drive demands an end of the run

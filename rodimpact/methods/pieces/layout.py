@@ -63,8 +63,8 @@ class RunRequest(NamedTuple):
 
     until: Any  # end of the run, s; None: it ends with its proof of finality
     tolerance: Any  # truncation error of pieces, relative to the velocity scale
-    limit: int  # largest number of steps
-    keep: bool  # whether histories of forces, overlaps and velocities are kept
+    max_steps: int  # largest number of steps
+    keeps_history: bool  # whether histories of forces, overlaps and velocities are kept
 
 
 class InitialLine(NamedTuple):
@@ -153,7 +153,7 @@ def lay_out(
     masses = make_masses(row, clock)
     parts = make_parts(row, nodes, links, outside)
     line_count = len(initial_lines)
-    if request.keep:
+    if request.keeps_history:
         line_count = number_history_lines(links, masses, line_count)
     lines = make_lines(clock, initial_lines, line_count)
     run = make_run(row, clock, request, shortest, initial_lines)
@@ -162,7 +162,7 @@ def lay_out(
         is_alone = part.part_count == 1
         if is_anchor and not is_alone:  # a body is bonded to the wall or endless rod
             run.has_bonds = 1
-    goes_on_after_proof = run.has_bonds or request.keep
+    goes_on_after_proof = run.has_bonds or request.keeps_history
     if request.until is None and goes_on_after_proof:
         longest = longest_body_time(row, clock, shortest)
         run.ticks_after_proof = TRANSITS_AFTER_PROOF * longest
@@ -228,8 +228,8 @@ def make_run(
     run.graze_velocity = GRAZE_VELOCITY * clock.scale
     run.event_window = np.maximum(np.rint(reference * EVENT_WINDOW), 1)
     run.end_tick = clock.last_tick
-    run.max_steps = request.limit
-    if request.keep:
+    run.max_steps = request.max_steps
+    if request.keeps_history:
         run.keeps_history = 1
     else:
         run.keeps_history = 0

@@ -79,7 +79,7 @@ def solve(
     """
     if row.segments:
         check_scales(row)
-    request = RunRequest(until, tolerance_of(rtol), max_events, keep=True)
+    request = RunRequest(until, tolerance_of(rtol), max_events, keeps_history=True)
     members = Members(row, request)  # a family with one member
     members.run_member(report=report)
     if members.runs["stop_reason"][0, 0] == Stop.STUCK:
@@ -149,7 +149,7 @@ def solve_family(
             refused |= is_beyond
     tolerance = tolerance_of(rtol)
     members = np.flatnonzero(~refused)
-    fine = Members(row, RunRequest(until, tolerance, max_events, keep=False))
+    fine = Members(row, RunRequest(until, tolerance, max_events, keeps_history=False))
     fine.run_all(members, should_stop)
     is_stuck = fine.runs["stop_reason"][:, 0] == Stop.STUCK
     columns = _columns_of(fine, refused.ravel() | is_stuck)
@@ -173,7 +173,7 @@ def stated_errors(
     `Members.run_all`.
     """
     coarser = fine.request._replace(
-        tolerance=COARSER * fine.request.tolerance, keep=False
+        tolerance=COARSER * fine.request.tolerance, keeps_history=False
     )
     coarse = Members(fine.row, coarser)
     # A recarray has its fields as attributes, like the record of a single run.
@@ -183,8 +183,8 @@ def stated_errors(
     for m in members:
         ended = fine.ended(m)
         errors[m] = errors_of_two_runs(ended, coarse.ended(m))
-        errors[m] += hidden_errors(ended, fine.fit)
-        errors[m] += fine.carried
+        errors[m] += hidden_errors(ended, fine.fit_error)
+        errors[m] += fine.carried_error
     return errors
 
 
