@@ -347,7 +347,7 @@ def result_of(facts: Any, pressed: list[Any], e: str) -> str:
     """
     outcome = facts["outcome"]
     velocities = velocities_of(facts)
-    text = velocities[-1]  # "a", or "a, b and c"
+    text = velocities[-1]  # the velocities in words: "a", or "a, b and c"
     noun = "velocity"
     verb = "is"
     if len(velocities) > 1:

@@ -268,21 +268,26 @@ def _write_caption(ax: Axes, x: float, caption: str, line: int) -> Annotation:
     to_right = (high - x) / (high - low) * width
     to_left = width - to_right
     needed = text_width(caption, SMALL + 1) + CAPTION_GAP
-    shift = CAPTION_GAP  # points from the line to the side of the caption named `side`
+    # The side of the caption named `side` is `shift` points to the right of the line.
+    shift = CAPTION_GAP
     side = "left"
     if to_left > to_right:
         shift = -CAPTION_GAP
         side = "right"
-    if needed > max(to_left, to_right):
-        # It crosses its line, and ends at the frame on the side with more room.
-        shift = to_right if side == "left" else -to_left
-        side = "right" if side == "left" else "left"
+    has_room = needed <= max(to_left, to_right)
+    if not has_room and side == "left":  # it ends at the right side of the Axes
+        shift = to_right
+        side = "right"
+    elif not has_room:  # it begins at the left side of the Axes
+        shift = -to_left
+        side = "left"
+    below_top = 3 + CAPTION_HEIGHT * line  # points
     return ax.annotate(
         caption,
-        (x, 1.0),
-        (shift, -3 - CAPTION_HEIGHT * line),
-        ax.get_xaxis_transform(),
-        "offset points",
+        xy=(x, 1.0),
+        xytext=(shift, -below_top),
+        xycoords=ax.get_xaxis_transform(),
+        textcoords="offset points",
         ha=side,
         va="top",
         fontsize=SMALL + 1,
