@@ -30,6 +30,7 @@ def test_ends_are_free_unless_something_is_said():
 
 @pytest.mark.parametrize("end", ENDS, ids=repr)
 def test_a_rod_takes_any_end_which_is_kept_in_its_description(end):
+    """A system is equal after its description is read; its digest depends on the end."""
     bodies = [ROD, ri.Wall()]
     with_free_ends = ri.System(bodies)
     system = ri.System(bodies, ends=(end, ri.Free()))

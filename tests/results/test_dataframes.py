@@ -13,6 +13,7 @@ PAIR = ri.System([LEFT, RIGHT])
 
 
 def test_an_outcome_is_the_row_that_a_sweep_has():
+    """Columns and values of both data frames are equal."""
     row = ri.solve(PAIR).outcome.to_dataframe()
 
     swept = ri.sweep(PAIR).to_dataframe()
@@ -70,6 +71,7 @@ def dataset_at_the_start(solution):
 
 
 def test_a_dataset_of_a_solution_says_which_version_made_it_of_which_case():
+    """The case in its attributes is read again."""
     solution = ri.solve(PAIR)
     notes = dataset_at_the_start(solution).attrs
     case = ri.parse_case(notes["case"])

@@ -107,6 +107,7 @@ every_package = pytest.mark.parametrize(
 @every_method
 @every_package
 def test_places_with_units_are_converted(method, quantity):
+    """Every field has the same values as for numbers in metres."""
     solution = solved(method)
     millimetres = np.array([100.0, 250.0])
     one_place = quantity(100.0, "mm")
@@ -130,6 +131,7 @@ def test_places_with_units_are_converted(method, quantity):
 @every_method
 @every_package
 def test_times_with_units_are_converted(method, quantity):
+    """Every field and record has the same values as for numbers in seconds."""
     solution = solved(method)
     one_time = quantity(150.0, "us")
     times = quantity(np.array([50.0, 150.0]), "us")

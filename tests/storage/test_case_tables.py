@@ -49,6 +49,7 @@ def error_of(text, vary=None):
     ],
 )
 def test_of_2000_mistakes_the_first_are_told_and_the_rest_counted(text, first):
+    """The message has 20 lines of mistakes and one with the number of the others."""
     error = error_of(text)
     lines = str(error).split("\n")
     assert len(error.problems) == 2_000
@@ -87,6 +88,7 @@ DEEP_KEYS = [
 
 @pytest.mark.parametrize("text", few_of(DEEP_KEYS, DEEP_KEYS[::3]))
 def test_keys_1200_deep_are_told_shortly(text):
+    """Each message has fewer than 300 characters."""
     for message in problems(text).values():
         assert len(message) < 300
 

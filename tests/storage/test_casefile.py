@@ -62,6 +62,7 @@ def test_a_pipe_or_a_device_which_may_never_end_is_not_read(tmp_path):
 
 
 def test_a_file_too_large_for_a_case_is_not_read(tmp_path):
+    """The file has 10**12 bytes, which take no space on the disk."""
     path = tmp_path / "sparse.toml"
     with path.open("wb") as file:
         file.truncate(10**12)
@@ -137,6 +138,7 @@ def test_written_cases_read_back_equal():
 
 @pytest.mark.parametrize("count", few_of([15, 40], [15]))
 def test_random_systems_come_back_equal_from_toml_and_json(count):
+    """`count` random rows are written and read."""
     for seed in range(count):
         system = random_row(seed, driven=True)
 

@@ -88,6 +88,7 @@ def recorded_runs(monkeypatch):
 
 
 def test_a_finished_sweep_is_read_as_it_was_run_without_running(tmp_path, monkeypatch):
+    """A second sweep with the same checkpoint runs no member."""
     first = ri.sweep(family(), checkpoint=tmp_path)
     with recorded_runs(monkeypatch) as runs:
         second = ri.sweep(family(), checkpoint=tmp_path)
@@ -251,6 +252,7 @@ def test_a_full_disk_is_an_error_that_loses_nothing(tmp_path, monkeypatch):
 def test_a_directory_of_another_sweep_is_refused_with_the_differences(
     tmp_path, system, change, differences
 ):
+    """`change` is what the second sweep has else than the first one."""
     ri.sweep(family(), checkpoint=tmp_path, **GAUGED)
     options = GAUGED | change
 
@@ -306,6 +308,7 @@ def swept_into_files(path, monkeypatch):
 def test_a_damaged_file_is_told_and_kept_and_only_its_members_run_again(
     tmp_path, monkeypatch, damage
 ):
+    """The fifth of the files is damaged, and the sweep is called again."""
     result, files = swept_into_files(tmp_path, monkeypatch)
     fifth = files[4]
     damaged = damage(fifth.read_bytes())
@@ -393,6 +396,7 @@ def test_a_checkpoint_that_is_a_file_is_refused(tmp_path):
 
 
 def test_a_refused_member_is_known_when_the_sweep_goes_on(tmp_path, monkeypatch):
+    """The second member is not run again."""
     lengths = np.array([0.5, 1e-13, 0.7])  # no clock counts the waves of the second
     striker = ri.Rod(lengths, area=1e-4, material=STEEL, velocity=1.0)
     struck = ri.Rod(1.0, area=1e-4, material=STEEL)

@@ -297,6 +297,9 @@ NUMBERS_GRIDS = {
 
 
 def test_numbers_may_be_left_to_the_grid_and_are_missing_without_it():
+    """A case file without some numbers is read with grids of them; one without a grid
+    is missing.
+    """
     case = parse_case(NUMBERS_LEFT_OUT, vary=NUMBERS_GRIDS)
 
     without_value = NUMBERS_GRIDS.copy()
@@ -307,6 +310,7 @@ def test_numbers_may_be_left_to_the_grid_and_are_missing_without_it():
 
 
 def test_nothing_is_said_of_grids_of_a_law_or_an_end_that_is_unknown():
+    """Only the unknown law and the unknown kind of end are mistakes."""
     text = NUMBERS_LEFT_OUT.replace("spring", "sprung").replace("force", "farce")
 
     messages = problems(text, NUMBERS_GRIDS)
@@ -319,17 +323,23 @@ def test_a_diameter_in_metres_varies_the_area():
 
     case = parse_case(PROFILES_AND_SEGMENTS, vary=vary)
 
-    diameters = np.array([0.01, 0.015, 0.02])
-    segments = [case.system[i].bodies[1].segments[0] for i in range(3)]
-    areas = [segment.area for segment in segments]
     (axis,) = case.varied
     assert axis.unit == "m"
-    assert areas == pytest.approx(math.pi / 4 * diameters**2, rel=1e-15)
-    # The diameter of the file is 1 cm, too.
-    assert case.system[0] == parse_case(PROFILES_AND_SEGMENTS).system
+    areas = []
+    for i in range(3):
+        rod = case.system[i].bodies[1]
+        segment = rod.segments[0]
+        areas.append(segment.area)
+    diameters = np.array([0.01, 0.015, 0.02])
+    expected = math.pi / 4 * diameters**2
+    assert areas == pytest.approx(expected, rel=1e-15)
+    # The diameter in the file is 1 cm, too.
+    of_file = parse_case(PROFILES_AND_SEGMENTS).system
+    assert case.system[0] == of_file
 
 
 def test_the_first_to_vary_is_the_first_axis():
+    """Three numbers vary: the shape of the family and one member are compared."""
     gaps = [0, 1, 2]
     lengths = [1, 2, 3, 4]
     diameters = [0.01, 1]
@@ -341,14 +351,18 @@ def test_the_first_to_vary_is_the_first_axis():
 
     case = parse_case(PROFILES_AND_SEGMENTS, vary=vary)
 
-    member = case.system[2, 1, 1]
-    rod = member.bodies[1]
-    assert case.system.shape == (3, 4, 2)
-    assert [axis.path for axis in case.varied] == list(vary)
-    assert case.system.gaps[1].shape == (3, 1, 1)
+    system = case.system
+    assert system.shape == (3, 4, 2)
+    paths = [axis.path for axis in case.varied]
+    assert paths == list(vary)
+    varied_gap = system.gaps[1]
+    assert varied_gap.shape == (3, 1, 1)
+    member = system[2, 1, 1]
     assert member.gaps[1] == gaps[2]
+    rod = member.bodies[1]
     assert rod.length == lengths[1]
-    assert rod.segments[0].area == math.pi / 4 * diameters[1] ** 2
+    area = math.pi / 4 * diameters[1] ** 2
+    assert rod.segments[0].area == area
 
 
 def test_a_file_read_with_a_grid_is_a_family_and_without_one_a_collision(tmp_path):
@@ -521,6 +535,7 @@ WITH_UNTIL = PROFILES_AND_SEGMENTS + "[solve]\nuntil = 1\n"
     ],
 )
 def test_mistakes_of_grids_are_named(text, path, grid, where, said):
+    """`where` is the path of the mistake, and `said` a part of its message."""
     messages = problems(text, {path: grid})
     assert list(messages) == [where]
     assert said in messages[where]
@@ -547,6 +562,7 @@ def test_of_area_and_diameter_only_the_one_in_the_file_may_vary(entry, varied):
 
 @pytest.mark.parametrize("other", ["bodies.0.strain", "contacts.0.gap"])
 def test_too_many_collisions_are_refused_before_any_is_laid_out(other):
+    """Two grids of 10000 values and one of two make 200 million members."""
     grids = {
         "bodies.0.length": "1:2:10000",
         "bodies.0.velocity": "1,2",
@@ -575,6 +591,7 @@ contacts = [
 
 
 def test_a_number_follows_another_one_by_a_factor():
+    """The yield force is 2.5 mm times the stiffness, which varies."""
     stiffnesses = [80e6, 160e6, 240e6]
     vary = {
         "contacts.1.yield_force": "2.5 mm*contacts.1.stiffness",
@@ -584,12 +601,14 @@ def test_a_number_follows_another_one_by_a_factor():
 
     case = parse_case(PILE, vary=vary)
 
-    toe = case.system[2, 1].contacts[1]
-    yield_force = 2.5e-3 * stiffnesses[2]
-    paths = [axis.path for axis in case.varied]
     assert case.system.shape == (3, 2)
+    paths = [axis.path for axis in case.varied]
     assert paths == ["contacts.1.stiffness", "bodies.1.length"]
-    assert toe.stiffness == stiffnesses[2]
+    last_member = case.system[2, 1]
+    _, toe = last_member.contacts
+    stiffness = stiffnesses[2]
+    yield_force = 2.5e-3 * stiffness
+    assert toe.stiffness == stiffness
     assert toe.yield_force == pytest.approx(yield_force, rel=1e-15)
 
 
@@ -699,6 +718,7 @@ def test_ties_to_another_quantity_are_refused_with_both_units(vary, path, said):
 
 
 def test_a_variable_without_unit_stands_for_any_quantity():
+    """The same variable is a velocity, and times 0.5 a length."""
     vary = {"x": "1,2", "bodies.0.velocity": "x", "bodies.1.length": "0.5*x"}
 
     (axis,) = parse_case(PILE, vary=vary).varied
@@ -811,6 +831,7 @@ def test_ties_that_are_no_product_with_one_number_have_one_mistake(vary, path, s
     ],
 )
 def test_what_cannot_vary_has_a_remedy_that_works(path, said):
+    """`said` is the remedy in the message."""
     text = PILE.replace('{law = "spring", stiffness = 5e8}', "{}")
 
     assert said in problems(text, {path: "1,2"})[path]
@@ -872,6 +893,7 @@ def test_all_mistakes_at_once_with_those_of_the_grids():
     grid=st.text(alphabet="0123456789.,:-+e kgm%log\n", max_size=12),
 )
 def test_no_grid_escapes_as_another_error(path, grid):
+    """A grid of any text makes a family, or is refused with its problems."""
     try:
         case = parse_case(HEAD + A_ROD + A_WALL, vary={path: grid})
     except ri.InvalidModel as error:
@@ -889,6 +911,7 @@ def test_no_grid_escapes_as_another_error(path, grid):
     ],
 )
 def test_materials_of_the_library_vary_by_name_and_by_body(path, speeds):
+    """`speeds` are the wave speeds of both rods of the second member."""
     family = parse_case(HEAD + A_ROD + A_ROD, vary={path: "5000,6000"}).system
 
     for body, speed in zip(family[1].bodies, speeds, strict=True):
@@ -896,6 +919,7 @@ def test_materials_of_the_library_vary_by_name_and_by_body(path, speeds):
 
 
 def test_a_grid_may_stand_in_for_a_profile():
+    """In the file the velocity has steps; the grid has two numbers."""
     text = HEAD + A_ROD + "velocity = {values = [1, 0], at = [0.1]}\n" + A_WALL
 
     case = parse_case(text, vary={"bodies.0.velocity": "1,2"})

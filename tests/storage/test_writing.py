@@ -29,6 +29,7 @@ def file_system(request, monkeypatch):
 
 
 def test_a_file_that_appears_meanwhile_is_kept(tmp_path, file_system):
+    """It is made by another process while a file of the same name is being written."""
     target = tmp_path / "a"
 
     def write_slowly():
@@ -94,6 +95,7 @@ with open_for_writing("a") as file:
 def test_a_half_written_file_never_bears_the_name_and_an_interrupt_removes_it(
     tmp_path, signal_name
 ):
+    """A process is ended by a signal after half of the file. The name asked for is "a"."""
     if not hasattr(signal, signal_name):
         pytest.skip(f"no {signal_name} here")
     with subprocess.Popen(
@@ -148,6 +150,7 @@ def test_a_link_that_points_nowhere_is_written_through(tmp_path):
 
 
 def test_a_document_that_no_reader_would_take_is_not_written(tmp_path, monkeypatch):
+    """A document is refused that is larger than what is read."""
     rod = ri.Rod([0.4], area=1e-4, material=ri.materials.steel, velocity=1.0)
     family = ri.sweep(ri.System([rod, ri.Wall()]))
     monkeypatch.setattr(writing, "MAX_DOCUMENT_BYTES", 100)
