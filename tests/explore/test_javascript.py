@@ -255,7 +255,9 @@ KERNEL = march.run_nodes
 
 def state_of(system, until):
     """The state of a system on the clock of the page, of lists of objects."""
-    request = layout.RunRequest(until, tolerance=1e-8, limit=400, keep=True)
+    request = layout.RunRequest(
+        until, tolerance=1e-8, max_steps=400, keeps_history=True
+    )
     members = driver.Members(build_row(system), request)
     batch = members.batch
     batch.to_lists()

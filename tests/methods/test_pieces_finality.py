@@ -38,7 +38,7 @@ def stepped_rod(rng, velocity, n=3):
 
 def parts_at_start(system):
     """The parts of a row at t = 0, as the proof finds them."""
-    request = RunRequest(until=8.0, tolerance=1e-8, limit=10**6, keep=True)
+    request = RunRequest(until=8.0, tolerance=1e-8, max_steps=10**6, keeps_history=True)
     members = Members(build_row(system), request)
     members.batch.to_lists()
     members.load()
