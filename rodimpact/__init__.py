@@ -12,11 +12,12 @@ from importlib import import_module
 from .version import __version__ as __version__
 
 _HOME: dict[str, str] = {}
-"""Module of each public name: lines ``from .model.bodies import Rod as Rod`` say it."""
+"""Module of each public name, from lines ``from .model.bodies import Rod as Rod``."""
 with open(f"{__path__[0]}/__init__.pyi", encoding="utf-8") as _stub:
     for _line in _stub:
         _words = _line.split()
         if _words[:1] == ["from"]:
+            # Word 1 is the module, word 3 the name; a module itself comes from ".".
             _HOME[_words[3]] = _words[1]
 
 __all__ = sorted(_HOME)
@@ -30,10 +31,10 @@ def _in_notebook(result: object) -> str:
 
 
 def __getattr__(name: str) -> object:
-    """Import a public name or module when it is first asked for, and keep it here.
+    """Import a public name or module on first use, and keep it in this module.
 
-    A name that is not public raises AttributeError. With the first name that is no
-    module, results begin to show themselves as pictures in notebooks.
+    AttributeError for a name that is not public. After the first name that is no
+    module, notebooks show results as pictures.
     """
     if name not in _HOME:
         raise _missing(name)

@@ -1,10 +1,13 @@
 """Hints on names that do not exist: the attribute, argument or function that is meant.
 
-`nearest` compares a wrong word with the names that exist. `explain_missing` lets the
-objects of a class answer a wrong attribute with such a hint, `explain_arguments` a
-function a wrong argument, `NamedItems` a dictionary a wrong key, `TupleOfParts` a tuple
-an attribute that its items have, or an index without an item, and `missing_name` makes
-the error of a wrong name in a module.
+`nearest` compares a wrong word with the names that exist. Errors with such hints come
+from these:
+
+- `explain_missing`: a wrong attribute of an object of a decorated class,
+- `explain_arguments`: a wrong argument of a decorated function,
+- `NamedItems`: a wrong key of a dictionary,
+- `TupleOfParts`: an attribute that items of a tuple have, or an index without an item,
+- `missing_name`: a wrong name in a module.
 """
 
 import difflib
@@ -22,11 +25,11 @@ C = TypeVar("C", bound=type)
 T = TypeVar("T")
 
 MOST_CHOICES = 12
-"""Choices that a message names."""
+"""Number of choices that a message names, at most."""
 SHORTEST_BEGINNING = 5
-"""Letters with which two words must begin alike to be related."""
+"""Number of equal first letters that make two words related."""
 MOST_LEVELS = 2
-"""Levels below an object that are searched for a missing attribute."""
+"""Number of levels below an object that are searched for a missing attribute."""
 SYNONYMS: dict[str, tuple[str, ...]] = {
     # letters of formulas
     "A": ("area",),
@@ -117,7 +120,7 @@ SYNONYMS: dict[str, tuple[str, ...]] = {
 }
 """Names of this package, by other names of the same thing."""
 EXPLAINED = "_explains_arguments"
-"""Attribute of functions that answer wrong arguments."""
+"""Attribute that marks functions wrapped by `explain_arguments`."""
 ELSEWHERE = {
     "animate": "rodimpact.plot.animation(solution) makes a film",
     "compare": "plot.comparison(measured, predicted) draws it, and the command "
@@ -139,9 +142,9 @@ ELSEWHERE = {
     "strains over time, and save(path) the solution",
     "sweep": "rodimpact.sweep(system) solves a family",
 }
-"""What is said of attributes that an object has nowhere.
+"""Hints on attributes that neither an object nor its parts have, by name.
 
-With a class before it, a name is one of this class only.
+A name with a class before it is for objects of this class only.
 """
 DEFINED_MATERIAL = "give material=Material(name, youngs_modulus, density)"
 DERIVED_ARGUMENTS = {
@@ -149,22 +152,25 @@ DERIVED_ARGUMENTS = {
     "radius": ("diameter", "give diameter, twice the radius"),
     "youngs_modulus": ("material", DEFINED_MATERIAL),
 }
-"""Unknown arguments, the argument that takes what they mean, and how it does."""
+"""Unknown arguments; for each the argument to give instead, and the hint on it.
+
+The hint is used only if the function has that argument.
+"""
 CALLED_INSTEAD = {
     "explore": "; several bodies make one system, System([left, right])",
     "Spring": "; SpringDashpot(stiffness, damping) has a damping, too",
     "sweep": "; a number that varies is an array in the system, such as "
     "Rod([0.1, 0.2], ...)",
 }
-"""What is said of arguments that these functions and classes do not take."""
+"""Ends of messages on excess arguments of these functions and classes."""
 
 
 def nearest(word: Any, choices: Collection[str], head: str = "") -> str:
-    """Hint at the choice that may be meant by a word, else at the choices there are.
+    """Hint at the choice that may be meant by a word, else a list of the choices.
 
-    It reads "perhaps ... is meant", or "use one of ..." if no choice is similar to the
-    word. Then `MOST_CHOICES` are named at most, those related to the word first. `head`
-    is put before each choice that is named.
+    The hint is "perhaps ... is meant", or "use one of ..." if no choice is similar to
+    the word. The list names at most `MOST_CHOICES`, those related to the word first.
+    `head` is put before each choice that is named.
     """
     meant = similar(word, choices)
     if meant is not None:
@@ -172,14 +178,14 @@ def nearest(word: Any, choices: Collection[str], head: str = "") -> str:
     all_names = []
     for choice in related_first(word, choices):
         all_names.append(one_line(head + choice))
-    return f"use one of {listed(all_names)}"  # which cuts the list
+    return f"use one of {listed(all_names)}"  # `listed` shortens a long list
 
 
 def similar(word: Any, choices: Collection[str]) -> str | None:
-    """The choice that may be meant by a word: a synonym, or one that is spelt alike.
+    """The choice that may be meant by a word: a synonym, or one of similar spelling.
 
-    None if there is no such choice. Capitals do not matter, nor does what follows after
-    `MOST_SHOWN` characters. A word that is no text is compared as messages show it.
+    None if there is no such choice. Capitals, and characters beyond the first
+    `MOST_SHOWN`, are ignored. A word that is no text is compared as messages show it.
     """
     text = word
     if not isinstance(word, str):
@@ -187,7 +193,7 @@ def similar(word: Any, choices: Collection[str]) -> str | None:
     for synonym in _synonyms(text):
         if synonym in choices:
             return synonym
-    choice_of = {}  # choice by its name, which is cut and in small letters
+    choice_of = {}  # each choice by its first characters, in small letters
     for choice in choices:
         choice_of[choice.casefold()[:MOST_SHOWN]] = choice
     text_to_match = text[:MOST_SHOWN].casefold()
@@ -198,11 +204,11 @@ def similar(word: Any, choices: Collection[str]) -> str | None:
 
 
 def related_first(word: Any, choices: Collection[str]) -> list[str]:
-    """All choices, if they are too many for a message the related ones first.
+    """All choices; if there are more than `MOST_CHOICES`, the related ones come first.
 
-    First come those whose words all stand in the wrong one, as Hertz in HertzContact;
-    then those that share a word with it, and those with a word that begins alike. The
-    others keep their order.
+    The order is: choices whose words are all in the wrong word, as Hertz in
+    HertzContact; choices that share a word with it; choices with a word that begins
+    alike; all others. Equally related choices keep their order.
     """
     if not isinstance(word, str) or len(choices) <= MOST_CHOICES:
         return list(choices)
@@ -210,11 +216,11 @@ def related_first(word: Any, choices: Collection[str]) -> list[str]:
 
 
 def _kinship(word: str, choice: str) -> int:
-    """How close a choice is to a wrong word, from 3 down to 0 for strangers.
+    """How closely a choice is related to a wrong name, from 3 to 0 (not at all).
 
-    The words of both names are compared, such as hertz and contact of HertzContact: all
-    words of the choice stand in the wrong name (3), one of them does (2), or one of
-    them begins like one there (1).
+    The words of both names are compared, such as hertz and contact in HertzContact. All
+    words of the choice are in the wrong name (3), at least one of them is (2), or at
+    least one begins like a word of the wrong name (1).
     """
     words = _words(word)
     words_of_choice = _words(choice)
@@ -234,7 +240,7 @@ def _words(name: str) -> set[str]:
 
 
 def _beginnings(words: set[str]) -> set[str]:
-    """The first letters of all words that have as many."""
+    """First `SHORTEST_BEGINNING` letters of each word; shorter words are left out."""
     return {
         word[:SHORTEST_BEGINNING] for word in words if len(word) >= SHORTEST_BEGINNING
     }
@@ -248,7 +254,7 @@ def _synonyms(word: str) -> tuple[str, ...]:
 def listed(names: list[str]) -> str:
     """Names with commas between them.
 
-    Of more than `MOST_CHOICES` names only the first are listed, with "..." behind them.
+    If there are more than `MOST_CHOICES`, only that many are listed, followed by "...".
     """
     text = ", ".join(names[:MOST_CHOICES])
     if len(names) > MOST_CHOICES:
@@ -260,17 +266,18 @@ def listed(names: list[str]) -> str:
 
 
 def explain_missing(*deeper: str) -> Callable[[C], C]:
-    """Class decorator: a missing attribute is answered by the one that may be meant.
+    """Class decorator: errors of missing attributes name the one that may be meant.
 
-    The error is `MissingAttribute`. Public methods answer wrong arguments in the same
-    way, see `explain_methods`. The class itself is changed and returned.
+    The error is `MissingAttribute`. The public methods are wrapped by
+    `explain_methods`, so that errors of wrong arguments have hints too. The class
+    itself is changed and returned.
 
     Parameters
     ----------
     *deeper : str
         Attributes of the class whose own attributes may be meant, too: a solution has
-        none called ``restitution``, but its ``outcome`` has. Of a tuple, the first
-        item is asked.
+        none called ``restitution``, but its ``outcome`` has. If such an attribute is a
+        tuple, the attributes of its first item are searched.
 
     Returns
     -------
@@ -279,15 +286,16 @@ def explain_missing(*deeper: str) -> Callable[[C], C]:
     """
 
     def decorated(kind: C) -> C:
-        """The same class, which answers wrong attributes and arguments from now on."""
+        """The same class, whose errors of attributes and arguments have hints now."""
 
         def __getattr__(self: Any, name: str) -> Any:  # noqa: N807
-            # Python calls this only for attributes that it does not find.
-            if hasattr(type(self), name):  # or for a property that has failed
-                return object.__getattribute__(self, name)  # raises its own error
+            # Python calls this for attributes that it does not find, and for properties
+            # that raised an AttributeError. These raise their own error again.
+            if hasattr(type(self), name):
+                return object.__getattribute__(self, name)
             raise MissingAttribute(self, name)
 
-        open_kind: Any = kind  # whose attributes a type checker does not know
+        open_kind: Any = kind  # Any: a type checker does not know these attributes
         open_kind._deeper = deeper  # for the hint of `MissingAttribute`
         open_kind.__getattr__ = __getattr__
         explain_methods(kind)
@@ -299,8 +307,8 @@ def explain_missing(*deeper: str) -> Callable[[C], C]:
 def explain_methods(kind: type) -> None:
     """Wrap the public methods of a class by `explain_arguments`, each once.
 
-    The class is changed. Class methods are among them. Inherited methods, properties
-    and names that begin with an underscore are not.
+    The class is changed. Class methods are wrapped, too. Inherited methods, properties
+    and names that begin with an underscore are left as they are.
     """
     for name, method in list(vars(kind).items()):
         is_class_method = isinstance(method, classmethod)
@@ -319,8 +327,8 @@ def explain_methods(kind: type) -> None:
 class MissingAttribute(AttributeError):
     """The error of an attribute that an object does not have.
 
-    The hint is looked for when the error is shown: `getattr` with a default, and
-    `hasattr`, make this error and never show it.
+    The hint is computed only when the error is shown, since `hasattr`, and `getattr`
+    with a default, make this error and never show it.
     """
 
     def __init__(self, owner: Any, name: str) -> None:
@@ -341,15 +349,18 @@ class MissingAttribute(AttributeError):
 def _attribute_hint(owner: Any, name: str) -> str:
     """Hint at the attribute of an object, or of one of its parts, that is meant.
 
-    The first of these is taken: the sentence of `ELSEWHERE` on this name, the name
-    itself in a part, a synonym, a name that is spelt alike. Synonyms and such names are
-    sought in the object before its parts. Else attributes of the object are listed.
+    The first match is taken, in this order: the sentence of `ELSEWHERE` on this name;
+    the name itself in a part; a synonym; a name of similar spelling. The latter two are
+    searched in the object before its parts. If nothing matches, attributes of the
+    object are listed.
     """
     for key in (f"{type(owner).__name__}.{name}", name):
         if key in ELSEWHERE:
             return ELSEWHERE[key]
     own_names = _public_names(owner)
-    paths: dict[str, str] = {}  # of attributes of the parts, the uppermost first
+    # Path to each attribute of the parts, by its name. If several parts have it, the
+    # path is that of the first, uppermost part.
+    paths: dict[str, str] = {}
     for path, part in _parts(owner):
         for attribute in _public_names(part):
             paths.setdefault(attribute, f"{path}.{attribute}")
@@ -360,7 +371,7 @@ def _attribute_hint(owner: Any, name: str) -> str:
             return f"perhaps {synonym!r} is meant"
         if synonym in paths:
             return f"perhaps {paths[synonym]!r} is meant"
-    if similar(name, own_names) is None:  # else `nearest` below names it
+    if similar(name, own_names) is None:  # a similar one is named by `nearest` below
         meant = similar(name, paths)
         if meant is not None:
             return f"perhaps {paths[meant]!r} is meant"
@@ -377,19 +388,19 @@ def _public_names(owner: Any) -> list[str]:
 
 
 def _parts(owner: Any, level: int = 1) -> Iterator[tuple[str, Any]]:
-    """Yield path and part for the parts of an object: first its own ones, then theirs.
+    """Yield path and part for the parts of an object, and then for their parts.
 
-    They are the attributes that `explain_missing` was given for its class; of a tuple
-    of parts the first one, with the path "name[0]". Attributes that fail and empty
-    tuples are left out. Parts go down to `MOST_LEVELS`; `level` is that of the parts of
-    `owner`.
+    The parts are the attributes that `explain_missing` was given for the class of the
+    object. If such an attribute is a tuple, the part is its first item, with the path
+    "name[0]". Attributes that fail and empty tuples are left out. The search ends at
+    `MOST_LEVELS`; `level` is the level of the parts of `owner`.
     """
     parts = []
     for attribute in getattr(owner, "_deeper", ()):
         path = attribute
         try:
             part = getattr(owner, attribute)
-        except Exception:  # a hint must not hide the mistake
+        except Exception:  # an error here must not replace the error to be explained
             continue
         is_plain_tuple = isinstance(part, tuple) and not hasattr(part, "_fields")
         if is_plain_tuple:
@@ -406,7 +417,7 @@ def _parts(owner: Any, level: int = 1) -> Iterator[tuple[str, Any]]:
 
 
 class TupleOfParts(tuple[T, ...]):
-    """A tuple of parts, such as bodies, that answers an attribute which its parts have.
+    """A tuple of parts, such as bodies, with hints on attributes that its parts have.
 
     Examples
     --------
@@ -434,7 +445,7 @@ class TupleOfParts(tuple[T, ...]):
         raise AttributeError(message, name=name)
 
     def __getitem__(self, index: Any) -> Any:
-        """The item, or items; IndexError tells which items there are."""
+        """The item, or items of a slice; IndexError tells which items there are."""
         try:
             # Methods index bodies often, and `super()` takes twice as long.
             return tuple.__getitem__(self, index)
@@ -446,14 +457,15 @@ class TupleOfParts(tuple[T, ...]):
 
 
 class UndefinedResult(ValueError, AttributeError):
-    """The error of a property that this very object does not have.
+    """The error of a property that is not defined for this object.
 
-    It is an AttributeError, too: `hasattr` is then false, and `inspect` goes on.
+    It is an AttributeError, too, so that `hasattr` is False, and `inspect` does not
+    fail.
     """
 
 
 class NamedItems(dict[str, Any]):
-    """A dictionary that answers a missing key with the one that may be meant."""
+    """A dictionary whose error of a missing key names the key that may be meant."""
 
     def __missing__(self, name: Any) -> Any:
         if not self:
@@ -494,10 +506,11 @@ def _name_hint(
 ) -> str:
     """Hint at the name of a module, or of the modules below it, that may be meant.
 
-    The first of these is taken: a synonym in the module, the sentence of `ELSEWHERE` on
-    this name, the name or a synonym in a module below, a name that is spelt alike. Else
-    all names are listed if they are few, or related names here and below. If there are
-    none, the hint says how to list the names.
+    The first match is taken, in this order: a synonym in the module; the sentence of
+    `ELSEWHERE` on this name; the name or a synonym in a module below; a name of similar
+    spelling. If nothing matches, all names are listed if they are few, or else related
+    names of the module and of those below. If no name is related, the hint says how to
+    list the names.
     """
     synonyms = _synonyms(name)
     for synonym in synonyms:
@@ -517,7 +530,7 @@ def _name_hint(
         for its_name in its_names:
             choices.append(f"{below}.{its_name}")
     for choice in choices:
-        if _kinship(name, choice) > 0:  # at least one is related
+        if _kinship(name, choice) > 0:  # the first related one: list them all
             return f"use one of {listed(related_first(name, choices))}"
     return f"dir({module}) lists its names"
 
@@ -526,10 +539,10 @@ def _name_hint(
 
 
 def explain_arguments(function: Callable[P, R]) -> Callable[P, R]:
-    """Decorator that refuses wrong arguments of a call with those that may be meant.
+    """Decorator: the error of wrong arguments names the arguments that may be meant.
 
-    The error is a TypeError, as Python's own. A TypeError of the function itself is
-    raised as it is.
+    The error is a TypeError, like Python's own. A TypeError that is raised inside the
+    function, with right arguments, is raised as it is.
     """
 
     @wraps(function)
@@ -556,11 +569,11 @@ def _refusal(
     keywords: dict[str, Any],
     otherwise: str,
 ) -> str:
-    """What is wrong with the arguments of a call; `otherwise` if nothing is found.
+    """Message on wrong arguments of a call; `otherwise` if no mistake is found.
 
-    The first of these is told: a keyword that is unknown, with the one that may be
-    meant, too many arguments by position, or missing ones. `self` and `cls` are not
-    counted.
+    The first mistake is reported, in this order: an unknown keyword, with the one that
+    may be meant; too many arguments by position; missing arguments. `self` and `cls`
+    are not counted.
     """
     called, instead = _called(function, args)  # the name, and other constructors
     parameters = dict(signature.parameters)
@@ -571,6 +584,7 @@ def _refusal(
     for keyword in keywords:
         if keyword not in parameters:
             hint = nearest(keyword, parameters)
+            # Argument to give in place of this keyword, and the hint on it
             meant, remedy = DERIVED_ARGUMENTS.get(keyword, ("", ""))
             if meant in parameters:
                 hint = remedy
@@ -591,13 +605,12 @@ def _refusal(
 
 
 def _excess(parameters: dict[str, inspect.Parameter], n_given: int) -> str:
-    """Text on which arguments may be given by position, if `n_given` are too many.
+    """Text of a message if `n_given` arguments by position are too many, else "".
 
-    It names the parameters that take them, and those that must be named. "" if as many
-    may be given.
+    It names the parameters that may be given by position, and those that must be named.
     """
-    by_position = []  # names of parameters that may be given so
-    by_name = []  # those that must be named
+    by_position = []  # names of parameters
+    by_name = []  # names of parameters with "=" behind them
     for name, parameter in parameters.items():
         if parameter.kind is parameter.KEYWORD_ONLY:
             by_name.append(f"{name}=")
@@ -615,18 +628,19 @@ def _excess(parameters: dict[str, inspect.Parameter], n_given: int) -> str:
 
 
 class _Called(NamedTuple):
-    """What a call is called in a message."""
+    """Name of a called function in a message, and a text on alternatives to it."""
 
-    name: str  # of the class, the method or the function
-    instead: str  # text on what takes other arguments; "" if there is none
+    name: str  # name of the class, the method or the function
+    instead: str  # text on functions that take other arguments; "" if there are none
 
 
 def _called(function: Callable[..., Any], args: tuple[Any, ...]) -> _Called:
-    """What the call of a function with these arguments is called.
+    """Name of a function called with these arguments, and a text on alternatives.
 
-    A method is named with the class of its object, a constructor by its class alone,
-    any other function by its own name. With a constructor comes the text on other
-    constructors of the class. Otherwise the text is that of `CALLED_INSTEAD`, or "".
+    A method has the name of its class before its own, a constructor the name of its
+    class alone. The text for a constructor names other constructors of the class, and
+    has the text of `CALLED_INSTEAD`; for a method it is "", and for any other function
+    it is that of `CALLED_INSTEAD`, or "".
     """
     qualified = function.__qualname__
     if not args or "." not in qualified or "<locals>" in qualified:
@@ -643,7 +657,7 @@ def _called(function: Callable[..., Any], args: tuple[Any, ...]) -> _Called:
 def _other_constructors(kind: type) -> str:
     """Text on the class methods that make an object from something else; "" if none.
 
-    Their names begin with ``from_``. The text goes on with a sentence: ", or
+    Their names begin with ``from_``. The text is the end of a sentence: ", or
     Hertz.from_radii(left_radius, ...)". Inherited methods are left out.
     """
     text = ""

@@ -1,7 +1,7 @@
 """A small table of materials, each number with its source.
 
-Room temperature, isotropic; a bar of a given alloy may differ by a few per cent.
-Measure the wave speed of yours where it matters.
+The materials are isotropic and at room temperature. A bar of the same alloy may differ
+by a few per cent: measure its wave speed if this matters.
 
 >>> round(steel.wave_speed)     # m/s
 5048
@@ -71,7 +71,7 @@ def __getattr__(name: str) -> Any:
 
 
 class _Attributes(ModuleType):
-    """A module that says in its own words that its names are attributes."""
+    """A module whose error on ``materials["steel"]`` names ``materials.steel``."""
 
     def __getitem__(self, name: Any) -> Any:
         """Raise TypeError that names the attribute in place of the brackets."""

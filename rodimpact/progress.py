@@ -6,10 +6,10 @@ A call that may take long says how far it is::
         report(done, total)
 
 Only the outermost of such calls has a bar: a fit that runs sweeps shows one bar, not
-many. A call inside another of the same name goes on with the bar of that one. The bar
-appears after two seconds, on a terminal or in a notebook, and never in worker threads
-or worker processes. tqdm is imported when the bar appears, as it takes longer to import
-than most calls take. Messages and warnings stand above the bar.
+many. A call inside another call of the same name reports to the bar of that call. The
+bar appears after two seconds, on a terminal or in a notebook, and never in worker
+threads or worker processes. tqdm is imported when the bar appears, as its import takes
+longer than most calls. Messages and warnings stand above the bar.
 """
 
 from __future__ import annotations
@@ -34,17 +34,17 @@ NOTEBOOK_KERNELS = ("ipykernel.zmqshell", "IPython.utils._process_emscripten")
 """Modules of the kernels of Jupyter and of JupyterLite."""
 
 ProgressFunction = Callable[[int, int | None], object]
-"""Called with the work that is done and all of it, None where that is not known."""
+"""The user's function: takes the work done and the total, which is None if unknown."""
 ProgressReport = Callable[[int, int | None], None]
-"""Function that a long call calls with the work that is done and all of it."""
+"""Takes the work done and the total, None if unknown, from a long call."""
 
 
 def no_report(done: int, total: int | None) -> None:
-    """Do nothing with a report: nobody asked for progress."""
+    """Ignore a report: no progress is shown."""
 
 
 def is_function(value: object) -> bool:
-    """Whether a value can be called for its result: a class would make an object."""
+    """Whether a value is callable, and not a class: a class would make an object."""
     if isinstance(value, type):
         return False
     return callable(value)
@@ -63,8 +63,8 @@ class Progress:
     Parameters
     ----------
     progress : bool or function
-        Whether a bar may appear, or the function to be called in its place. What the
-        function raises ends the call.
+        Whether a bar may appear, or a function to be called in its place. An error of
+        this function ends the call.
     name : str
         Name of the call, to the left of the bar.
     unit : str
@@ -72,7 +72,7 @@ class Progress:
     """
 
     def __init__(self, progress: bool | ProgressFunction, name: str, unit: str) -> None:
-        """Keep the arguments; nothing is shown before the call begins."""
+        """Store the arguments; nothing is shown before the call begins."""
         self._progress = progress
         self._name = name
         self._unit = unit
@@ -85,11 +85,12 @@ class Progress:
         self._done_before: int | None = None
 
     def __enter__(self) -> ProgressReport:
-        """Begin the call; return the function to which it reports how far it is.
+        """Begin the call; return the function to which it reports its progress.
 
-        It is the first of these: that of the outermost call, if this call is inside it
-        and has the same name; the user's function; the bar, for the outermost call; one
-        that does nothing. In a worker thread no call is outermost.
+        Inside an outermost call of the same name, it is the function of that call. Else
+        it calls the user's function, if there is one; or updates the bar, if this is
+        the outermost call and a bar is wanted; or does nothing. In a worker thread no
+        call is outermost.
         """
         global _outermost
         self._is_outermost = False
@@ -114,7 +115,7 @@ class Progress:
     ) -> None:
         """End the call; the outermost one erases its bar.
 
-        The bar is full unless an error ends the call. The error goes on.
+        The bar is full unless an error ends the call. The error is not caught.
         """
         global _outermost
         if not self._is_outermost:
@@ -128,9 +129,9 @@ class Progress:
     def _report(self, done: int, total: int | None) -> None:
         """Call the user's function, or else show the bar.
 
-        Both tell the work that is done and all of it, None if that is unknown. All is
-        never below what is done. The bar appears at the first report after
-        `APPEARS_AFTER`, if somebody can see it.
+        Both get the work done and the total, None if unknown; a total below the work
+        done is set to it. The bar appears at the first report after `APPEARS_AFTER`
+        seconds, if somebody can see it.
         """
         if total is not None:
             total = max(done, total)
@@ -138,12 +139,12 @@ class Progress:
             self._progress(done, total)
             return
         if self._done_before is None:
-            self._done_before = done  # by a checkpoint
+            self._done_before = done  # more than 0 after a checkpoint
         if self._bar is None and time.time() >= self._began + APPEARS_AFTER:
             if is_watched():
                 self._open(total)
             else:
-                self._began = math.inf  # nobody is asked again
+                self._began = math.inf  # nobody watches: never check again
         if self._bar is not None:
             self._update(done, total)
 
@@ -172,10 +173,10 @@ class Progress:
         warnings.showwarning = self._show_warning
 
     def _update(self, done: int, total: int | None) -> None:
-        """Set the bar to the work that is done and to all, None if that is unknown.
+        """Set the bar to the work done and the total, None if unknown.
 
-        Less work done than before begins a new stage: the bar starts again. Numbers
-        from `ABBREVIATED_FROM` on are abbreviated.
+        If less work is done than before, a new stage has begun: the bar starts again.
+        Numbers are abbreviated if one reaches `ABBREVIATED_FROM`.
         """
         bar = self._bar
         if done < bar.n:  # a new stage, such as a finer mesh
@@ -183,13 +184,14 @@ class Progress:
             bar.initial = 0
         if total != bar.total:
             bar.total = total
-            if total and hasattr(bar, "container"):  # the bar of a notebook
+            # The bar of a notebook is a widget, which has a total of its own.
+            if total and hasattr(bar, "container"):
                 bar.container.children[1].max = total
         largest = done
         if total is not None:
             largest = max(done, total)
         bar.unit_scale = largest >= ABBREVIATED_FROM
-        bar.update(done - bar.n)
+        bar.update(done - bar.n)  # tqdm takes the increase
 
     def _close(self) -> None:
         """Erase the bar, and show warnings as before."""
@@ -205,7 +207,8 @@ class Progress:
     def above_bar(self) -> contextlib.AbstractContextManager[None]:
         """Context in which text for standard error stands above the bar.
 
-        The bar is taken away meanwhile and drawn again. Without a bar nothing happens.
+        The bar is erased on entry and drawn again on exit. Without a bar the context
+        does nothing.
         """
         if self._bar is None:
             return contextlib.nullcontext()

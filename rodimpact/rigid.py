@@ -164,7 +164,7 @@ def reduced_mass(m1: ArrayLike, m2: ArrayLike) -> Number:
     demand(one_is_finite, "m2", message, M2)
     light = np.minimum(M1, M2)
     heavy = np.maximum(M1, M2)
-    mu = light / (1 + light / heavy)
+    mu = light / (1 + light / heavy)  # m1 m2/(m1 + m2), also if one is infinite
     return float_or_array(mu)
 
 
@@ -413,7 +413,7 @@ def stack_drop(
         )
     drop_speed = np.sqrt(2 * g * h)
     shape = np.broadcast_shapes(M.shape[:-1], e.shape[:-1], drop_speed.shape)
-    fall_velocity = -drop_speed[..., np.newaxis]
+    fall_velocity = -drop_speed[..., np.newaxis]  # [..., 1], the same for all balls
     v = np.full((*shape, n_balls), fall_velocity)  # positive upwards
     v[..., 0] = e[..., 0] * drop_speed  # the bottom ball bounces off the floor
     for i in range(1, n_balls):

@@ -181,11 +181,12 @@ def saint_venant(
     low = np.minimum(Z1, Z2)
     high = np.maximum(Z1, Z2)
     q = numbers.q
-    # The rod that ends the contact: the long one if the short one goes on pushing. Of
-    # equal transit times q <= 0, and either is the short one. `pair_numbers` sets q = 0
-    # exactly for impedances that are equal but for round-off.
+    # The wave of the short rod ends the force, except if q > 0: then the short rod goes
+    # on pushing, and the wave of the long rod ends it. For equal transit times q <= 0.
+    # For impedances that are equal up to round-off `pair_numbers` sets q to exactly 0.
     ending_transit = np.where(q > 0, numbers.long_time, numbers.short_time)
     duration = 2 * ending_transit
+    # Rods of equal impedance, q = 0, stay in touch after the force has ended.
     opening = np.where(q == 0, 2 * numbers.long_time, duration)
     # V Z1 Z2/(Z1 + Z2) = V low (high/(high + low)): no product of impedances overflows.
     high_fraction = high / (high + low)
@@ -566,7 +567,7 @@ def pair_numbers(Z1: Array, T1: Array, Z2: Array, T2: Array) -> PairNumbers:
 
     They are the transit times of the short and the long rod, q = (Z_short -
     Z_long)/(Z_short + Z_long), p = 1 - abs(q), and log(q) where q > 0, else 0.
-    Impedances that are equal but for round-off give q = 0 and p = 1. Equal transit
+    Impedances that are equal up to round-off give q = 0 and p = 1. Equal transit
     times, for which no rod is the short one, give q <= 0. The page of the explorer has
     this function and `pair_restitution` as JavaScript.
     """
@@ -612,10 +613,7 @@ def pair_restitution(numbers: PairNumbers) -> Array:
 
 
 def _collision(**entries: Any) -> PairCollision:
-    """PairCollision of these entries, arrays or numbers by name.
-
-    An entry of shape () becomes a float.
-    """
+    """PairCollision with these entries by name; those of shape () become floats."""
     values = {}
     for name, entry in entries.items():
         values[name] = float_or_array(np.asarray(entry))
@@ -625,9 +623,8 @@ def _collision(**entries: Any) -> PairCollision:
 def _checked(**arguments: ArrayLike) -> tuple[Array, ...]:
     """Arguments as arrays of one shape, in the order given.
 
-    Each is checked by the unit and sign that `RULES` has for its name, without the
-    number of a rod at its end. ValueError for one that is not finite, or of the wrong
-    sign.
+    Unit and sign of each are those of `RULES` for its name without a final number, as
+    that of a rod. ValueError names all that are not finite or have the wrong sign.
     """
     with_rules = {}
     for name, value in arguments.items():

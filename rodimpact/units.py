@@ -33,15 +33,15 @@ if not TYPE_CHECKING:  # a type checker must not take every name for granted
 TIMES = "\N{MULTIPLICATION SIGN}"
 """Sign between the digits of a number and its power of ten."""
 MOST_CHARACTERS = 1000
-"""Characters of a number with its unit; a float written out in full has no more."""
+"""Characters of a number with its unit, at most; a longer text is not read."""
 MOST_SHOWN = 60
-"""Characters of a value that a message shows."""
+"""Characters of a value that a message shows, at most."""
 MOST_SHOWN_OF_PATH = 240
-"""Characters of the name of a file that a message shows."""
+"""Characters of the name of a file that a message shows, at most."""
 MAX_POWER = 9
-"""Power of a unit in a compound that is recognised."""
+"""Largest power of a unit that is recognised in a compound."""
 ROUNDING_GUARD = 1e-9
-"""Error of a decimal logarithm, so that a power of ten has its own exponent."""
+"""Added to a decimal logarithm, whose round-off may put it below a whole number."""
 
 # US customary units by their definitions: foot and pound of 1959, and the standard
 # gravity of 9.80665 m/s^2.
@@ -158,9 +158,9 @@ UNITS: dict[str, UnitFactors] = {
     },
     "inverse velocity": {"s/m": "1", "s/cm": "1e2", "s/mm": "1e3", "s/ft": 1 / FOOT},
 }
-"""Units of each dimension, each with its exact value in the SI unit.
+"""Units of each dimension, each with its exact value in the SI unit of the dimension.
 
-The value is a fraction or its text.
+The value is a fraction or the text of one; "1" marks the SI unit itself.
 """
 
 BASE_UNITS = {
@@ -206,7 +206,7 @@ _OTHER_NAMES = {
     "tonne": "t",
     "tonnes": "t",
 }
-"""Units of `UNITS` by names that are not read, but hinted at."""
+"""Units of `UNITS` that a hint names for these words, which are not read as units."""
 _METRIC_FORCE = "1 kgf is 9.80665 N"
 _TON_OF_FORCE = "a metric one is 9.80665 kN, a US one 2 kip, a British one 2.24 kip"
 _TON = "a metric one is 1 t, a US one 2000 lb, a British one 2240 lb"
@@ -218,7 +218,7 @@ _UNREAD_UNITS = {
     "ton": _TON,
     "tons": _TON,
 }
-"""Units that are not read, most of them ambiguous, with their values in others."""
+"""Units that are not read, most of them ambiguous, with their values in other units."""
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _PREFIXES = {-9: "n", -6: "u", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
 _LARGEST_PREFIX = max(_PREFIXES)
@@ -287,8 +287,8 @@ class Amount(NamedTuple):
 def read_amount(text: str) -> Amount:
     """Read a number with any unit of `UNITS`, or a bare number.
 
-    The value is that in the SI unit of the dimension, which is returned with it; "" for
-    a bare number.
+    The value is returned in the SI unit of its dimension, together with this unit. A
+    bare number has the unit "".
 
     Raises
     ------
@@ -321,10 +321,10 @@ def is_amount(text: str) -> bool:
 
 
 def _exact_value(given: Any, units: UnitFactors) -> float:
-    """Value in the SI of a number, or of a text of a number and one of these units.
+    """Value in the SI unit of a number, or of a text with one of these units.
 
-    A bare number is in the SI unit already. ValueError says why there is none: also for
-    a number that is infinite or nan, or that no float can hold.
+    A number, or a text without a unit, is in the SI unit already. ValueError, with the
+    reason, if there is no value: also if it is infinite, nan, or too small for a float.
     """
     exact: Any = given
     if isinstance(given, str):
@@ -343,10 +343,10 @@ def _exact_value(given: Any, units: UnitFactors) -> float:
 
 
 def _fraction(text: str, units: UnitFactors) -> Fraction:
-    """Exact value of a text with one of these units, in the SI unit.
+    """Exact value, in the SI unit, of the text of a number with one of these units.
 
-    ValueError gives the reason why there is none. A bare number is in the SI unit
-    already.
+    A number without a unit is in the SI unit already. ValueError, with the reason, if
+    the text is no such number or its unit is none of these.
     """
     if len(text) > MOST_CHARACTERS:
         raise ValueError(f"it is longer than {MOST_CHARACTERS} characters")
@@ -451,8 +451,8 @@ def in_si(values: Any, unit: Any) -> tuple[Any, str]:
     if not _has_numbers(values):
         raise ValueError(f"values: must be numbers of {unit}, got {shown(values)}")
     factor = to_si.factor
-    # The float of 1000 is exact, that of 1/1000 is not: then dividing by the inverse
-    # rounds only once.
+    # A factor such as 1/1000 has no exact float, but its inverse 1000 has: dividing by
+    # the inverse rounds only once.
     try:
         if factor >= 1:
             return values * float(factor), to_si.unit
@@ -500,9 +500,9 @@ def si_unit(dimension: str) -> str:
 
 
 def multiply_unit(powers: dict[str, float], unit: str, sign: int) -> None:
-    """Multiply by a unit such as N s/m^2, or divide by it if the sign is -1.
+    """Multiply a product by a unit such as N s/m^2, or divide it if the sign is -1.
 
-    `powers` are those of the symbols of the product so far; they are changed. A symbol
+    `powers` holds the power of each symbol of the product, and is changed. A symbol
     that cancels keeps the power 0. ValueError if a power of the unit is no number.
     """
     above, _, below = unit.partition("/")
@@ -512,7 +512,7 @@ def multiply_unit(powers: dict[str, float], unit: str, sign: int) -> None:
             power = 1.0
             if has_power:
                 power = float(exponent)
-            if symbol != "1":  # as in 1/s
+            if symbol != "1":  # the 1 of a unit such as 1/s is no symbol
                 powers[symbol] = powers.get(symbol, 0.0) + direction * power
 
 
@@ -564,7 +564,7 @@ def in_base_units(powers: dict[str, float]) -> dict[str, float]:
 def _spelt(unit: str) -> str:
     """A unit in the spelling of `UNITS`: no Greek letters, superscripts or dots.
 
-    A unit that is unknown is returned as well; "1" becomes "".
+    An unknown unit is respelt in the same way. "1" becomes "".
     """
     spelt = " ".join(unit.translate(_SPELLINGS).split())
     return _ALIASES.get(spelt, spelt)
@@ -573,17 +573,18 @@ def _spelt(unit: str) -> str:
 def _hint(word: str, units: Collection[str]) -> str:
     """End of a sentence, "; perhaps 'mm' is meant"; "" if no unit is near.
 
-    For a word of `_UNREAD_UNITS` it says what that is in other units. A compound of
-    known units, such as mm/ms, names those that equal it. Else it names the unit for a
-    name in `_OTHER_NAMES`, or all units that differ by capitals alone, or the one that
-    is spelt most alike.
+    The hint for a word of `_UNREAD_UNITS` is its value in other units. The hint for a
+    compound of known units, such as mm/ms, names the units that are equal to it, or is
+    "". For other words it names the unit of that name in `_OTHER_NAMES`, or all units
+    that differ by capitals alone, or the unit with the most similar spelling.
     """
     if word in _UNREAD_UNITS:
         return f"; {_UNREAD_UNITS[word]}"
     compound = None
     if "/" in word or " " in word:
         compound = _worth_of_compound(word)
-    if compound is not None:  # a unit that is spelt alike may be another one
+    # A compound gets no hint on spelling: a similar unit may be a different one.
+    if compound is not None:
         equal = []
         for unit in units:
             if _worth_of_compound(unit) == compound:
@@ -608,16 +609,16 @@ def _hint(word: str, units: Collection[str]) -> str:
 
 
 class _Worth(NamedTuple):
-    """What a unit is worth in the SI."""
+    """Value of a unit in base units of the SI."""
 
     factor: Fraction  # value of one unit in base units
     powers: dict[str, float]  # of the base units m, kg, s and V
 
 
 def _worth_of_compound(unit: str) -> _Worth | None:
-    """What a product or quotient of units is worth; None if a part of it is unknown.
+    """Value of a product or quotient of units; None if a part of it is unknown.
 
-    Parts may have whole powers: N/mm^2 is worth 1e6 kg/(m s^2).
+    Parts may have whole powers up to `MAX_POWER`: N/mm^2 is 1e6 kg/(m s^2).
     """
     power_of_symbol: dict[str, float] = {}
     try:
@@ -635,7 +636,7 @@ def _worth_of_compound(unit: str) -> _Worth | None:
         sign = 1
         if power < 0:
             sign = -1
-        for _ in range(abs(int(power))):
+        for _ in range(abs(int(power))):  # the SI unit of the symbol, to this power
             multiply_unit(powers, to_si.unit, sign)
     return _Worth(factor, in_base_units(powers))
 
@@ -661,8 +662,8 @@ def shown(value: Any) -> str:
 def shown_path(path: Any) -> str:
     """The name of a file as messages show it, in quotes.
 
-    Of a longer one only the beginning and the end are shown, `MOST_SHOWN_OF_PATH`
-    characters together, with "..." between them.
+    A name of more than `MOST_SHOWN_OF_PATH` characters is cut to that number: its
+    beginning and its end are shown with "..." between them.
 
     Examples
     --------
@@ -683,14 +684,16 @@ def one_line(text: str) -> str:
     A text with much white space may be cut shorter.
     """
     line = ""
-    beginning = text[: 2 * MOST_SHOWN]  # the rest of a very long text is not processed
+    # Twice as many characters as are shown: white space may shrink. The rest of a very
+    # long text is not processed, which saves time.
+    beginning = text[: 2 * MOST_SHOWN]
     is_cut = text[2 * MOST_SHOWN :].strip() != ""
     words = beginning.split()
     for character in " ".join(words):
         if character.isprintable():
             line += character
         else:
-            line += ascii(character)[1:-1]
+            line += ascii(character)[1:-1]  # without the quotes
     if is_cut or len(line) > MOST_SHOWN:
         return f"{line[: MOST_SHOWN - 3]}..."
     return line
@@ -749,21 +752,21 @@ def format_si(value: float, unit: str, digits: int = 6) -> str:
     if math.isfinite(value) and _TAKES_PREFIX.match(unit):
         # The prefix is chosen after rounding: 999.9999999 N is 1 kN, not 1000 N.
         mantissa, exponent = f"{value:.{digits - 1}e}".split("e")
-        power = int(exponent) // 3 * 3  # that of the prefix
-        shift = int(exponent) % 3  # places by which the decimal sign moves
+        power = int(exponent) // 3 * 3  # power of ten of the prefix, a multiple of 3
+        shift = int(exponent) % 3  # power of ten that remains
         if power == _LARGEST_PREFIX + 3:
             # 1000 GPa and more are written in GPa too, like the numbers beside them.
             power = _LARGEST_PREFIX
             shift += 3
         if power in _PREFIXES:
-            # `normalize` drops zeros at the end, and + 0 the sign of -0.
+            # `normalize` drops trailing zeros; adding 0 drops the sign of -0.
             decimal = Decimal(mantissa).scaleb(shift).normalize() + 0
             return f"{decimal:f} {_PREFIXES[power]}{unit}"
     return f"{value + 0.0:.{digits}g} {unit}".rstrip()  # + 0.0: no -0
 
 
 def _is_digit_count(digits: Any) -> bool:
-    """Whether a value is a number of digits with which a number can be written."""
+    """Whether a value is a whole number of digits, from 1 to `MOST_CHARACTERS` - 1."""
     if not isinstance(digits, int):
         return False
     return 0 < digits < MOST_CHARACTERS
@@ -777,7 +780,7 @@ def format_power(exponent: int) -> str:
 def format_factor(number: float) -> str:
     """Write a positive factor: as it is from 1e-3 to 1e5, else with a power of ten.
 
-    The power has a factor of three digits before it, which is left out if it is 1.
+    The power of ten has a factor of three digits before it, left out if it is 1.
     """
     if 1e-3 <= number < 1e5:
         return f"{number:g}"

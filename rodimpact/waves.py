@@ -230,7 +230,7 @@ class Bar(FrozenDataclass):
         below = self._scaled_frequency(G * (1 - DIFFERENCE_STEP))
         change = above - below
         width = 2 * DIFFERENCE_STEP * G
-        ratio = np.ones(G.shape)  # the limit of long waves
+        ratio = np.ones(G.shape)  # 1 stays where G = 0: the limit of long waves
         np.divide(change, width, out=ratio, where=G > 0)
         return float_or_array(self.wave_speed * ratio)
 
@@ -488,7 +488,7 @@ def _rayleigh_speed(nu: float) -> float:
         """Left-hand side of the equation."""
         return float(np.polyval([1.0, -8.0, linear, constant], r))
 
-    r = brentq(cubic, a=0.5, b=1.0)
+    r = brentq(cubic, a=0.5, b=1.0)  # 0.76 for nu = 0, 0.91 for nu = 0.5
     return math.sqrt(r / (2 + 2 * nu))  # (c2/c0)^2 = 1/(2 + 2 nu)
 
 
@@ -563,7 +563,8 @@ def _roots_of_block(wavenumber: WavenumberFunction, numbers: Array, nu: Array) -
     or for the number 0, the root is 1, as for long waves.
     """
     roots = np.ones(numbers.size)
-    # All waves are faster than surface waves, 0.9 of whose speed is on the safe side.
+    # All waves are faster than surface waves. The factor 0.9 puts the first speed well
+    # below the root; `initial` is only used if there are no waves.
     slowest = 0.9 * np.min(rayleigh_speed(nu), initial=1.0)
     speeds = np.arange(slowest, 1.0 + 2 * SPEED_STEP, SPEED_STEP)
     G = wavenumber(numbers[:, None], speeds)  # [wave, speed]
@@ -601,7 +602,7 @@ def _equation(G: Any, speed_ratio: Any, nu: Any) -> Any:
     x2 = speed_ratio * speed_ratio
     A2 = x2 * (1 + nu) * (1 - 2 * nu) / (1 - nu) - 1
     B2 = x2 * (2 + 2 * nu) - 1
-    # A and B are absolute values; the signs of A2 and B2 tell if they are imaginary.
+    # Here A and B are the absolute values. They are imaginary if A2 or B2 is negative.
     A = G * np.sqrt(np.abs(A2))
     B = G * np.sqrt(np.abs(B2))
     J0A, jA = _bessel(A, A2)  # J0(A) and j(A) = J1(A)/A

@@ -73,7 +73,7 @@ def array(name: str, value: ArrayLike, unit: str, sign: str = UNCHECKED) -> Arra
 def scalar(name: str, value: Any, unit: str, sign: str = "any") -> float:
     """Return an argument as a float in `unit`; InvalidModel if it is no single number.
 
-    With any sign but `UNCHECKED` nan and an extreme magnitude are refused, too.
+    With any other sign than `UNCHECKED`, nan and extreme magnitudes are refused, too.
     """
     number = array(name, value, unit, sign)
     if number.ndim:
@@ -85,8 +85,8 @@ def broadcast_arguments(**arguments: tuple[Any, str, str]) -> tuple[Array, ...]:
     """Return arguments as arrays of one shape, in the order in which they are given.
 
     Each is given as (value, unit, sign), see `array`. The arrays may share memory, and
-    are not to be written to. InvalidModel with the mistakes of all arguments, or if
-    they do not broadcast.
+    must not be changed. InvalidModel names the mistakes of all arguments, or is raised
+    because they do not broadcast.
     """
     problems: Problems = []
     arrays = {}
@@ -104,8 +104,9 @@ def broadcast_arguments(**arguments: tuple[Any, str, str]) -> tuple[Array, ...]:
 def demand(condition: Any, name: str, message: str, *values: Number) -> None:
     """Raise InvalidModel if a condition, an array, does not hold everywhere.
 
-    The error names the argument `name`. The message may show the values at the first
-    place where the condition does not hold, as in `frozen.require`.
+    The error names the argument `name`. In the message, ``{0!r}``, ``{1!r}`` ... are
+    replaced by the values at the first index where the condition does not hold, see
+    `frozen.require`.
     """
     problems: Problems = []
     require(problems, condition, name, message, *values)

@@ -104,8 +104,8 @@ class Material(FrozenDataclass):
     ) -> None:
         """Set and check the numbers; a wave speed c gives the modulus E = rho c^2.
 
-        Exactly one of E and c must be given. InvalidModel with the mistakes of all
-        arguments; after one in the choice of E and c, E itself is not checked.
+        Exactly one of E and c must be given. InvalidModel names the mistakes of all
+        arguments. After a mistake in the choice of E and c, E itself is not checked.
         """
         problems: Problems = []
         modulus: Any = youngs_modulus
@@ -121,8 +121,8 @@ class Material(FrozenDataclass):
             )
             frozen.add_problem(problems, "wave_speed", message, wave_speed)
         if problems:
-            # Any modulus will do: the other arguments are checked too, for one error of
-            # all. A problem that is found twice is told once.
+            # The modulus 1 lets the other arguments be checked too, so that one error
+            # names all mistakes. A mistake that is found twice is reported once.
             modulus = 1.0
         self._set(
             name=name,
@@ -139,10 +139,10 @@ class Material(FrozenDataclass):
         frozen.raise_if_problems(problems)
 
     def _check(self, problems: Problems) -> None:
-        """Add a problem of a name that is no text or empty, before all others.
+        """Add a problem, before all others, if the name is no text or is empty.
 
-        Without any problem so far, E/rho is checked, the square of the wave speed: a
-        value out of the range of the model is a problem of the modulus.
+        If there is no problem, E/rho, the square of the wave speed, is checked too: a
+        value outside the range of the model is a problem of the modulus.
         """
         if not isinstance(self.name, str) or not self.name:
             # The name comes first in the constructor, so in the message too.
@@ -152,12 +152,14 @@ class Material(FrozenDataclass):
         E = self.youngs_modulus
         rho = self.density
         is_speed_in_range = frozen.in_range(E / rho)
+        # {0!r} stands for the modulus, {1!r} for the density.
         message = "gives no finite wave speed with density {1!r}, got {0!r}"
         frozen.require(problems, is_speed_in_range, "youngs_modulus", message, E, rho)
 
     def to_dict(self) -> dict[str, Any]:  # noqa: D102
         description = super().to_dict()
-        # Digests on disk are those of descriptions that always have this entry.
+        # Digests in saved files were computed from descriptions that always had this
+        # entry.
         description.setdefault("poisson_ratio", None)
         return description
 
@@ -287,10 +289,11 @@ class Segment(FrozenDataclass):
     def _check(self, problems: Problems) -> None:
         """Set the area, and refuse numbers that do not go together.
 
-        The area follows from a diameter, or is sampled if it is a function.
-        InvalidModel with all mistakes so far, also a material that is none; else if
-        impedance, transit time or mass is extreme, or if arrays make no family. A taper
-        is refused if a uniform segment of its smallest or largest area would be.
+        The area is computed from a diameter, or sampled if it is a function.
+        InvalidModel names all mistakes, also a material of another type. If there are
+        none, InvalidModel is raised if arrays do not broadcast, or if impedance,
+        transit time or mass is extreme. A taper is refused if a uniform segment of its
+        smallest or largest area is refused.
         """
         area = self._checked_area(problems)
         self._set(area=area)
@@ -311,16 +314,15 @@ class Segment(FrozenDataclass):
     def _checked_area(self, problems: Problems) -> Any:
         """Area as given and checked, or pi d^2/4 of the diameter, m^2.
 
-        A function of the place becomes `Samples`. A mistake is added to `problems`,
-        also if the area is `Steps`, is missing, or is given beside a diameter. What is
-        returned then is of no use.
+        A function of the distance from the left end becomes `Samples`. A mistake is
+        added to `problems`: also an area that is `Steps`, is missing, or is given
+        beside a diameter. The returned area is then meaningless.
         """
         area: Any = self.area
         if self.diameter is not None:
             if area is not None:
                 problems.append(("diameter", "give either area or diameter, not both"))
-            # After a mistake, 1 stands for the area: it is checked below all the same.
-            area = 1.0
+            area = 1.0  # after a mistake: a valid number, for the check below
             if not problems:
                 area = math.pi * self.diameter * self.diameter / 4
         if area is None:
@@ -353,7 +355,7 @@ class Segment(FrozenDataclass):
             Z = self.material.density * area * c
             T = L / c
             are_sound = frozen.in_range(Z) & frozen.in_range(T) & frozen.in_range(Z * T)
-        if are_sound is True:  # `demand` below asks again for a family, an array
+        if are_sound is True:  # of a single segment; of a family it is an array
             return
         message = (
             "length {0!r} and area {1!r} of this material make an impedance, a transit "
@@ -477,7 +479,7 @@ class Segment(FrozenDataclass):
     def mass(self) -> Number:
         """Integral of rho A dx, kg; exact for straight lines between samples."""
         if isinstance(self.area, Samples):
-            (mean_area,) = self._mean_areas(1)
+            (mean_area,) = self._mean_areas(1)  # one piece, the whole segment
             return self.material.density * mean_area * self.length
         return self.impedance * self.transit_time  # rho A c L/c
 
@@ -682,12 +684,12 @@ class Rod(Frozen, kind="rod"):
         strain: ProfileLike = 0.0,
         shaft: Shaft | None = None,
     ) -> None:
-        """Check and set the segments and what runs along the whole rod.
+        """Check and set the segments, the velocity, the strain and the shaft.
 
-        Along the rod run velocity, strain and shaft, whose functions become `Samples`.
-        Without `segments` the other arguments, the shape, make one segment, or one for
-        each value of an area that is `Steps`. InvalidModel with the mistakes of all
-        arguments.
+        Functions of the distance from the left end become `Samples`. Without `segments`
+        the shape (length, area and the other arguments of `Segment`) makes one segment,
+        or one for each value of an area that is `Steps`. InvalidModel names the
+        mistakes of all arguments.
         """
         problems: Problems = []
         shape = {
@@ -886,11 +888,11 @@ def _segments_between_jumps(shape: dict[str, Any]) -> tuple[Segment, ...]:
 
 
 def _decimal_distance(start: Number, end: Number) -> Number:
-    """Distance end - start, m, of the decimals that are written: 0.4 - 0.1 is 0.3.
+    """Distance end - start, m, computed in decimals, so that 0.4 - 0.1 is 0.3.
 
-    The difference of the floats is 0.30000000000000004, which a case file and a formula
-    would take for the length that was meant. This is the float nearest to the
-    difference of the decimals; an array, member by member, if one of them is an array.
+    The difference of the floats, 0.30000000000000004, would appear as the length in
+    case files and formulas. The result is the float nearest to the difference of the
+    decimals. If `start` or `end` is an array, it is computed member by member.
     """
     if not isinstance(start, np.ndarray) and not isinstance(end, np.ndarray):
         # The text of a float is the shortest decimal that stands for it.

@@ -1,6 +1,6 @@
-"""Drag along a rod in proportion to its velocity, as of a pump rod in a fluid.
+"""Drag along a rod in proportion to its velocity, as on a pump rod in a fluid.
 
-With the drag waves in a rod follow the telegraph equation,
+Waves in a rod with drag follow the telegraph equation,
 
     rho A v_t = (E A u_x)_x - d v,     d the drag coefficient per length,
 
@@ -65,7 +65,8 @@ class Drag(FrozenDataclass, kind="drag"):
     def _check(self, problems: Problems) -> None:
         """Check and set a coefficient that is a number or an array of a family.
 
-        A profile or a function stays unchecked: `along_rod` checks it with its rod.
+        A profile or a function is not checked here: `drag_along_rod` checks it when the
+        rod is made.
         """
         value = self.coefficient
         if not is_profile(value):

@@ -49,9 +49,9 @@ Given = TypeVar("Given")
 Problems: TypeAlias = list[tuple[str, str]]
 
 MOST_TOLD = 20
-"""Mistakes that the text of an error tells."""
+"""Number of mistakes that the text of an error names, at most."""
 MOST_MEMBERS = 10**7
-"""Members of a family."""
+"""Number of members of a family, at most."""
 SMALLEST = 1e-150
 """Smallest magnitude of a positive number: its square is not 0."""
 LARGEST = 1e150
@@ -72,7 +72,7 @@ INTERVALS = {
     "any": "(-inf, inf)",
     "sampled": "(-inf, inf)",
 }
-"""Interval of the numbers of a sign."""
+"""Interval in which a number with this sign must lie."""
 
 
 class InvalidModel(ValueError):
@@ -82,7 +82,7 @@ class InvalidModel(ValueError):
     ----------
     problems : list of (str, str)
         Path of each faulty field (``bodies.0.length``) and what is wrong with it. The
-        text of the error tells the first `MOST_TOLD` of them and counts the rest.
+        text of the error names the first `MOST_TOLD` of them and counts the rest.
 
     Examples
     --------
@@ -96,11 +96,11 @@ class InvalidModel(ValueError):
     """
 
     def __init__(self, problems: Problems) -> None:
-        """Keep the problems, each once, and make the text of the error.
+        """Store the problems, without repetitions, and make the text of the error.
 
-        The text has the first `MOST_TOLD` of them, one in a line, and counts the rest.
-        If `problems` is no list of pairs of texts, the InvalidModel is about `problems`
-        itself.
+        The text names the first `MOST_TOLD` problems, one per line, and counts the
+        rest. If `problems` is no list of pairs of texts, another InvalidModel is raised
+        whose only problem is the argument `problems` itself.
         """
         if not _are_problems(problems):
             wanted = (
@@ -181,9 +181,9 @@ class QuantityField(NamedTuple):
 
     @property
     def wanted(self) -> str:
-        """Words on the allowed sign and unit, "must be ...", for a message.
+        """Message on the allowed sign and unit: "must be a ... number of ...".
 
-        They end with ``got {0!r}``, to be formatted with the wrong value.
+        It ends with ``got {0!r}``, to be formatted with the wrong value.
         """
         number = f"number{of_unit(self.unit)}"
         if self.sign == "positive or infinite":
@@ -195,13 +195,13 @@ class QuantityField(NamedTuple):
         return f"must be a finite {number}, got {{0!r}}"
 
     def holds(self, value: Any) -> Any:
-        """Where a value lies in the interval of the sign: an array of truth values.
+        """Whether a number, or each of an array, lies in the interval of the sign.
 
-        For a single number it is one truth value. NaN lies in no interval.
+        The result is a truth value, or an array of them. NaN lies in no interval.
         """
         # A sign that is no word is an interval itself, such as "[0, 1]".
         interval = INTERVALS.get(self.sign, self.sign)
-        low, high = interval[1:-1].split(",")
+        low, high = interval[1:-1].split(",")  # without the brackets
         if interval[0] == "[":
             is_above = value >= float(low)
         else:
@@ -215,11 +215,11 @@ class QuantityField(NamedTuple):
     def checked(self, problems: Problems, path: str, value: Any) -> Any:
         """Return a value as a float or a read-only array in the unit of the field.
 
-        Where the field takes them, None stays as it is, a word too if it is that of the
-        field, and a list of numbers becomes a tuple. A wrong sign, an extreme
+        None and a word are returned as they are, if the field allows them. If `many`,
+        a list of numbers becomes a tuple. Another word, a wrong sign, an extreme
         magnitude, an empty array, and an array in place of a scalar are mistakes. A
-        mistake is added to `problems` with the path; what is returned then is of no
-        use. -0.0 becomes 0.0, so that equal numbers have equal descriptions.
+        mistake is added to `problems` with the path; the returned value is then
+        meaningless. -0.0 becomes 0.0, so that equal numbers have equal descriptions.
         """
         if value is None and self.default is None:
             return None
@@ -230,8 +230,9 @@ class QuantityField(NamedTuple):
             return self._each_checked(problems, path, value)
         sign = self.sign
         if type(value) is float and sign in INTERVALS:
-            # Most values are sound floats, which need no array: this is for speed.
-            magnitude = value  # below 0 it is refused further down
+            # Most values are valid floats. For speed they are returned here, without
+            # being converted to arrays; other floats are checked below.
+            magnitude = value
             if sign in ("any", "sampled"):
                 magnitude = abs(value)
             may_be_zero = "positive" not in sign
@@ -244,7 +245,7 @@ class QuantityField(NamedTuple):
         except ValueError as error:
             problems.append((path, str(error)))
             return math.nan
-        if not numbers.ndim:
+        if not numbers.ndim:  # a single number
             numbers = numbers.item()
         numbers = numbers + 0.0  # no -0.0
         if require(problems, self.holds(numbers), path, self.wanted, numbers):
@@ -263,11 +264,12 @@ class QuantityField(NamedTuple):
             add_problem(problems, path, message, value)
 
     def _is_in_scale(self, numbers: Any) -> Any:
-        """Where numbers are 0, infinite or of a sound magnitude: a boolean array.
+        """Whether each number is 0, infinite, or of an allowed magnitude.
 
-        A sound magnitude is at most `LARGEST`, and at least `SMALLEST` if the number
-        must be positive, else `TINY`. Only samples of a profile may be smaller. For a
-        single number it is one truth value. The sign itself is not asked for.
+        An allowed magnitude is at most `LARGEST`. It is at least `SMALLEST` if the
+        number must be positive, else `TINY`; samples of a profile may be smaller. The
+        result is a boolean array, or a truth value for a single number. The sign of the
+        number is not checked.
         """
         smallest = TINY
         if "positive" in self.sign:  # "positive", or "positive or infinite"
@@ -322,9 +324,9 @@ NumericOrNone: TypeAlias = TypedAttribute[Number | None, ArrayLike | None]
 
 
 def require_increasing(problems: Problems, path: str, values: Iterable[Number]) -> None:
-    """Add a problem for each number that does not lie above the one before it.
+    """Add a problem for each number that is not larger than the number before it.
 
-    Where numbers are arrays, this must hold in every member of the family.
+    If numbers are arrays, this must hold in every member of the family.
     """
     message = "must lie above {0!r}, got {1!r}"
     numbers = list(values)
@@ -336,7 +338,7 @@ def require_increasing(problems: Problems, path: str, values: Iterable[Number]) 
 
 
 def family_shape(numbers: Iterable[tuple[str, Any]]) -> tuple[int, ...]:
-    """Shape of the family that arrays among numbers make, each number with its path.
+    """Broadcast shape of the arrays among pairs (path, number), the shape of a family.
 
     () if there are no arrays. InvalidModel if the arrays do not broadcast, or make a
     family of more than `MOST_MEMBERS`.
@@ -360,8 +362,8 @@ def family_shape(numbers: Iterable[tuple[str, Any]]) -> tuple[int, ...]:
 def broadcast_shape(arrays: Iterable[tuple[str, Any]]) -> tuple[int, ...]:
     """Shape to which arrays broadcast, each given with its path; () if there is none.
 
-    If they do not broadcast, InvalidModel at the first path, with the path and the
-    shape of each array in its message.
+    If they do not broadcast, InvalidModel is raised for the first path. Its message
+    names the path and the shape of each array.
     """
     paths = []
     shapes = []
@@ -406,7 +408,8 @@ def require(
     if condition is True or np.all(condition):
         return True
     condition = np.asarray(condition)
-    index = tuple(np.argwhere(~condition)[0].tolist())  # () of a single object
+    # Index of the first member that fails; () if the condition is a truth value
+    index = tuple(np.argwhere(~condition)[0].tolist())
     if index:
         path = f"{path}[{','.join(map(str, index))}]"
     if values:
@@ -484,9 +487,9 @@ class Frozen:
     __delattr__ = __setattr__
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        """Take the attributes that were pickled or copied; arrays are read-only again.
+        """Set the attributes that were pickled or copied, and make arrays read-only.
 
-        Parts that are `Frozen` have done the same for their own arrays.
+        Parts that are `Frozen` have already done this for their own arrays.
         """
         self.__dict__.update(state)
         for _, item in self._parts():  # with the items of tuples
@@ -500,8 +503,8 @@ class Frozen:
     def replace(self, **changes: Any) -> Self:
         """Return a new object with other values for some parameters of its constructor.
 
-        A parameter that stands for another, such as the diameter of a rod for its area,
-        takes its place.
+        A parameter that is an alternative to others, such as the diameter of a rod to
+        its area, replaces them.
 
         Parameters
         ----------
@@ -545,7 +548,7 @@ class Frozen:
     def _parameters(self) -> dict[str, Any]:
         """Parameters of the constructor that make this object, in a new dictionary.
 
-        Attributes with an underscore are no parameters: they keep values for speed.
+        Attributes with an underscore are no parameters: they store computed values.
         """
         return {name: v for name, v in self.__dict__.items() if name[0] != "_"}
 
@@ -575,8 +578,9 @@ class Frozen:
     def digest(self) -> str:
         """SHA-256 of the description: the same for equal objects in any process.
 
-        It is a text in hexadecimal. Hashed are the description, with the shape in place
-        of each array that varies in a family, and the bytes of these arrays.
+        The digest is a hexadecimal text. The hash covers the description, in which each
+        array that varies in a family is replaced by its shape, and the bytes of these
+        arrays.
         """
         with_shapes = self._mapped(lambda array: list(array.shape))
         outline = json.dumps(with_shapes.to_dict(), sort_keys=True)
@@ -609,9 +613,9 @@ class Frozen:
     def _parts(self) -> Iterator[tuple[str, Any]]:
         """Yield the path in a case file and the value of every parameter.
 
-        In place of a tuple its items are yielded; those of ``values`` have the paths
-        ``"values.0"``, ``"values.1"``. The parameters of a part that is `Frozen` are
-        left to that part.
+        The items of a tuple are yielded one by one: those of ``values`` have the paths
+        ``"values.0"``, ``"values.1"``. A part that is `Frozen` is yielded itself, not
+        its parameters.
         """
         for name, value in self._parameters().items():
             if isinstance(value, tuple):
@@ -642,9 +646,9 @@ class Frozen:
     def _numbers(self, path: str = "") -> Iterator[tuple[str, Number]]:
         """Yield path and value of each number that may vary in a family.
 
-        A value is a float or an array. The numbers are those of this object and its
-        parts, without those that all members share. `path` is that of the object
-        itself, if it is a part of another one.
+        A value is a float or an array. The numbers are those of this object and of its
+        parts; numbers that all members share are left out. `path` is the path of this
+        object in the object that it is a part of, "" if it is none.
         """
         for name, item in self._parts():
             item_path = name
@@ -660,9 +664,9 @@ class Frozen:
     def _mapped(self, change: Callable[[Any], Any]) -> Self:
         """A new object with ``change(array)`` in place of every array, unchecked.
 
-        Arrays in tuples and in parts are changed too. Those that all members of a
-        family share stay. Attributes with an underscore, which keep computed values for
-        speed, are left out.
+        Arrays in tuples and in parts are replaced too. Arrays that all members of a
+        family share are kept. The new object has no attributes with an underscore,
+        which store computed values.
         """
 
         def mapped(value: Any) -> Any:
@@ -687,9 +691,9 @@ class Frozen:
 
 
 def _explain_constructor(kind: Any) -> None:
-    """Let the constructor of a class answer wrong arguments with the ones meant.
+    """Make the constructor of a class name the arguments that wrong ones may mean.
 
-    The class is changed; one that does so already stays as it is.
+    The class is changed, unless its constructor is wrapped already.
     """
     if not hasattr(kind.__init__, "__wrapped__"):
         kind.__init__ = explain_arguments(kind.__init__)
@@ -714,11 +718,12 @@ class FrozenDataclass(Frozen):
         _explain_constructor(cls)
 
     def __post_init__(self) -> None:
-        """Check all arguments; InvalidModel with all mistakes in it.
+        """Check all arguments; InvalidModel names all mistakes.
 
-        Each declared number is replaced by what `QuantityField.checked` makes of it; a
-        profile is left to the class. Arrays must make a family. Then the `_check` of
-        the class follows, after mistakes too, which it finds in its `problems`.
+        `QuantityField.checked` checks and converts each declared number, except
+        profiles, which the class checks itself. Arrays must broadcast. Then the
+        `_check` of the class is called with the problems found so far, also if there
+        are some.
         """
         problems: Problems = []
         attributes = self.__dict__
@@ -739,10 +744,10 @@ class FrozenDataclass(Frozen):
         raise_if_problems(problems)
 
     def _check(self, problems: Problems) -> None:
-        """Add problems to the list, or raise them.
+        """Add problems to the list, or raise them; here, do nothing.
 
-        A class may check its numbers together here. The numbers have been checked one
-        by one, and `problems` has their mistakes.
+        A class may override this to check its numbers together. They have been checked
+        one by one before, and `problems` has their mistakes.
         """
 
 

@@ -34,15 +34,15 @@ FACE_RADIUS = QuantityField("m", "positive or infinite", default=np.inf)
 MAX_TABLE_POINTS = 16
 """Points of a table that a user may give; a hardened law may have one more."""
 KNOTS = MAX_TABLE_POINTS + 2
-"""Places of a link for the forces at which the slope of its force changes."""
+"""Number of forces in a link at which the slope of its force may change."""
 UNREACHED = 2.0**1000
-"""Force in places of a link that are not used, N."""
+"""Value of the unused ones of these forces, N: no force reaches it."""
 SLOPE_RTOL = 1e-12
 """Slopes of a table that differ by less than this fraction count as equal."""
 LEAST_YIELD_FORCE = 2.0**-100
-"""Force from which on a law follows its loading line that yields from the start, N."""
+"""Yield force, N, of a law that yields from the start of loading."""
 FIRST_YIELD_FRACTION = 1e-6
-"""Force at which a table is first followed, as a fraction of its first force."""
+"""Yield force of a table, as a fraction of the force at its first point."""
 TRIAL_STATES = ((0.0, 0.0), (1e-6, 0.0), (1e-6, 1e-3))
 """Overlaps, m, and rates, m/s, at which the function of a `Law` is tried."""
 
@@ -55,9 +55,9 @@ class _Law(FrozenDataclass):
     begins_from_zero: ClassVar[bool] = False
     """Whether its force begins from 0 as the contact closes, so that no wave jumps."""
     acts_as: ClassVar[str]
-    """Branch of the kernels that has its force: the name of a `methods.link.Law`."""
+    """Branch of the kernels that computes its force: name of a `methods.link.Law`."""
     fills_link: ClassVar[tuple[str, ...]] = ()
-    """Its attributes that are numbers of a `methods.link.Link`, by the same names."""
+    """Attributes of the law that are also fields of a `methods.link.Link`."""
 
 
 class _Compliant(_Law):
@@ -107,7 +107,7 @@ class _Linear(_Compliant):
 
 
 class Plastic(_Linear):
-    """A spring that yields: its faces move for good, d counts from their new place."""
+    """A spring that yields: d is measured from the permanently deformed faces."""
 
     acts_as = "yield"
     fills_link: ClassVar[tuple[str, ...]] = (
@@ -127,12 +127,18 @@ class Plastic(_Linear):
 
     @property
     def knots(self) -> list[Number]:
-        """Forces at which the slope changes again, N, in `KNOTS` places."""
+        """Forces at which the slope changes after first yield, N; `KNOTS` numbers.
+
+        Here there are none: all are `UNREACHED`.
+        """
         return [UNREACHED] * KNOTS
 
     @property
     def shares(self) -> list[Number]:
-        """Slopes from the forces `knots` on, over the stiffness, in `KNOTS` places."""
+        """Slopes above each of the forces `knots`, over the stiffness; `KNOTS` numbers.
+
+        Here there are none: all are 0.
+        """
         return [0.0] * KNOTS
 
 
@@ -226,7 +232,7 @@ class Joint(_Linear, law="joint"):
     def _check(self, problems: Problems) -> None:
         """Add a problem if stiffness and damping are both 0, in any member of a family.
 
-        After other problems nothing is checked.
+        Nothing is checked if there are other problems.
         """
         if problems:
             return
@@ -413,9 +419,9 @@ class _Face(NamedTuple):
 def _checked_face(problems: Problems, side: str, radius: Any, material: Any) -> _Face:
     """Face of a Hertz contact, from radius and material of one side.
 
-    The side is "left" or "right". The compliance is (1 - nu^2)/E, or 0 without a
-    material, of a rigid face. Mistakes are added to `problems`, also a material without
-    Poisson ratio; radius or compliance are of no use then.
+    `side` is "left" or "right". The compliance is (1 - nu^2)/E, or 0 for a rigid face,
+    whose material is None. Mistakes are added to `problems`, also a material without a
+    Poisson ratio; the radius or the compliance is then meaningless.
     """
     radius_path = f"{side}_radius"
     material_path = f"{side}_material"
@@ -428,7 +434,7 @@ def _checked_face(problems: Problems, side: str, radius: Any, material: Any) -> 
         numbers[f"{material_path}.youngs_modulus"] = E
         numbers[f"{material_path}.poisson_ratio"] = nu
         with np.errstate(all="ignore"):
-            compliance = 1 / (E / (1 - nu**2))  # 1 over the plane strain modulus
+            compliance = 1 / (E / (1 - nu**2))  # inverse of the plane strain modulus
     elif material is not None:
         message = "must be a Material with a poisson_ratio, or None for a rigid face"
         refused = material
@@ -542,8 +548,8 @@ class Yielding(Plastic, law="yielding"):
     def _check(self, problems: Problems) -> None:
         """Add a problem if the hardening is not less than the stiffness.
 
-        This must hold in every member of a family. After other problems nothing is
-        checked.
+        This must hold in every member of a family. Nothing is checked if there are
+        other problems.
         """
         if problems:
             return
@@ -621,8 +627,9 @@ class Tabulated(Plastic, law="tabulated"):
         """Refuse tables of unequal length, not increasing, or too soft in unloading.
 
         InvalidModel if the lengths differ, are 0 or too large. Problems are added if
-        compressions or forces do not increase, or else if the unloading stiffness is
-        less than the slope of a line. After other problems nothing is checked.
+        compressions or forces do not increase. If they do, one is added if the
+        unloading stiffness is less than the slope of a line. Nothing is checked if
+        there are other problems.
         """
         if problems:
             return
@@ -674,7 +681,7 @@ class Tabulated(Plastic, law="tabulated"):
 
     @property
     def yield_force(self) -> Number:
-        """Force from which on the table is followed, N: almost from the first."""
+        """Force above which the table is followed, N: almost 0."""
         first_force: Number = self.force[0]
         return FIRST_YIELD_FRACTION * first_force
 
@@ -687,28 +694,28 @@ class Tabulated(Plastic, law="tabulated"):
     def knots(self) -> list[Number]:
         """Forces at which the second and later lines of the table begin, N.
 
-        The list has `KNOTS` places. Places that are not used have a force that is never
-        reached, `UNREACHED`.
+        The list has `KNOTS` numbers. Those that are not used are `UNREACHED`, a force
+        that is never reached.
         """
-        knots = super().knots  # unused places only
+        knots = super().knots  # all unused
         for j in range(len(self.slopes) - 1):
-            knots[j] = self.force[j]
+            knots[j] = self.force[j]  # the force at point j, where line j + 1 begins
         return knots
 
     @property
     def shares(self) -> list[Number]:
         """Slopes of the second and later lines, over the stiffness on unloading.
 
-        The list has `KNOTS` places, as that of the `knots` at which these lines begin.
-        Places that are not used are 0.
+        The list has `KNOTS` numbers, like the list of the `knots` at which these lines
+        begin. Numbers that are not used are 0.
         """
-        shares = super().shares  # unused places only
+        shares = super().shares  # all unused
         for j, slope in enumerate(self.slopes[1:]):
             shares[j] = slope / self.stiffness
         return shares
 
     def hardened(self, force: Any) -> Tabulated:
-        """Law after a peak force; itself if that force leaves the faces where they are.
+        """Law after a peak force; the law itself if the force leaves no deformation.
 
         Parameters
         ----------
@@ -718,8 +725,8 @@ class Tabulated(Plastic, law="tabulated"):
         Returns
         -------
         Tabulated
-            Its compressions count from the new place of the faces. Its first line leads
-            to the peak along the unloading stiffness; the rest of the table follows.
+            Compressions are measured from the deformed faces. The first line rises with
+            the unloading stiffness to the peak; the rest of the old table follows.
 
         Examples
         --------
@@ -736,23 +743,23 @@ class Tabulated(Plastic, law="tabulated"):
         forces = list(self.force)
         peak_compression: Any
         if force >= self.force[-1]:
-            # The last line goes on: the new table needs one more point on it. Any force
-            # beyond the peak would do; it is twice the peak force.
+            # The last line continues, so the new table needs one more point on it. Any
+            # force beyond the peak will do: the force of this point is twice the peak.
             excess = (force - self.force[-1]) / last_slope
             peak_compression = self.compression[-1] + excess
             compressions.append(peak_compression + force / last_slope)
             forces.append(2 * force)
         else:
-            # The table from (0, 0) on gives the compression over the force.
+            # Interpolate the compression over the force; the first line begins at 0.
             all_forces = (0.0, *forces)
             peak_compression = np.interp(force, all_forces, (0.0, *compressions))
-        # On the elastic line F = k d the faces return to where they were.
+        # A peak on the elastic line F = k d leaves no permanent deformation.
         is_elastic = force <= 0 or force >= k * peak_compression * (1 - SLOPE_RTOL)
         if is_elastic:
             return self
         # Unloading follows k, so the faces have moved by peak_compression - force/k.
-        # The new table is one line up to the peak, and the old table beyond the peak,
-        # with compressions counted from the new place.
+        # The new table is one line up to the peak, then the points of the old table
+        # beyond the peak, with compressions measured from the new position.
         elastic_compression = force / k
         new_compressions = [elastic_compression]
         new_forces = [force]
@@ -881,7 +888,7 @@ class Cushion(Plastic, law="cushion"):
         return self.loading
 
     def hardened(self, force: Any) -> Yielding | Cushion:
-        """Law of the cushion after a peak force; itself if that leaves no trace.
+        """Law after a peak force; the cushion itself if the force changes nothing.
 
         Parameters
         ----------
@@ -940,15 +947,15 @@ class Law(_Law, law="own"):
 
     acts_as = "own"
     fills_link = ("damping",)
-    damping: ClassVar[float] = 1.0  # it may depend on the rate: as if damped
+    damping: ClassVar[float] = 1.0  # not 0: the force may depend on the rate
     force: Callable[[float, float], float]
 
     def _check(self, problems: Problems) -> None:
-        """Refuse a force that is no function, or has unsound values.
+        """Refuse a force that is no function, or has invalid values.
 
-        The values are those at `TRIAL_STATES`, of growing d and then d': they must be
-        finite, 0 without overlap, and none less than the one before. InvalidModel if
-        the function fails there; other mistakes are added to `problems`.
+        The function is called at `TRIAL_STATES`, in which first d and then d'
+        increases. The force must be finite, 0 at d = 0, and must not decrease.
+        InvalidModel if the function fails; other mistakes are added to `problems`.
         """
         force: Any = self.force
         if not is_function(force):
@@ -1027,7 +1034,7 @@ class Law(_Law, law="own"):
         code = getattr(function, "__code__", None)
         cells = getattr(function, "__closure__", None)
         parts = [getattr(function, "__qualname__", repr(function))]
-        for cell in cells or ():  # None if the function closes over nothing
+        for cell in cells or ():  # `cells` is None if the function closes over nothing
             parts.append(repr(cell.cell_contents))
         if code is not None:
             parts.append(code.co_code.hex())
@@ -1054,5 +1061,5 @@ ContactLaw: TypeAlias = (
 CONTACT_LAWS: dict[str, type[ContactLaw]] = {
     law.law: law for law in get_args(ContactLaw) if law is not Law
 }
-"""Laws that a case file may name, by their words."""
+"""Laws that a case file may name, by the word for the law in the file."""
 RIGID = Rigid()

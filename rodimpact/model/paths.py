@@ -22,7 +22,7 @@ from .system import GAP, System
 SPEED = "wave_speed"
 MODULUS = "youngs_modulus"
 ALTERNATIVES = {SPEED: MODULUS, "area": "diameter"}
-"""Fields that stand for others."""
+"""Fields that may be given in place of others: key in place of value."""
 FIELDS = {
     **Material.fields,
     **Segment.fields,
@@ -67,10 +67,10 @@ def numbers_of(system: System) -> dict[str, Number]:
 
 
 def entries_by_path(system: System) -> dict[str, list[str]]:
-    """Entries for which each path stands that can name a number that varies.
+    """All paths that can name a varying number, each with the entries it stands for.
 
-    An entry stands for itself alone. The path ``materials.NAME.density`` stands for the
-    entries of all bodies that are made of this material.
+    An entry is a path that stands for itself alone. The path ``materials.NAME.density``
+    stands for the entries of all bodies that are made of this material.
     """
     entries: dict[str, list[str]] = {}
     description = system.to_dict()
@@ -85,10 +85,10 @@ def entries_by_path(system: System) -> dict[str, list[str]]:
 
 
 def alternative_of(entry: str) -> str:
-    """Entry of the number for which that at an entry stands, see `ALTERNATIVES`.
+    """Entry of the number that the number at `entry` replaces, see `ALTERNATIVES`.
 
-    "bodies.0.diameter" for "bodies.0.area". An entry that stands for no other is
-    returned.
+    For "bodies.0.area" it is "bodies.0.diameter". An entry that replaces no other is
+    returned itself.
     """
     owner, dot, field = entry.rpartition(".")
     return owner + dot + ALTERNATIVES.get(field, field)
@@ -121,12 +121,12 @@ def with_numbers(system: System, numbers: Mapping[str, float]) -> System:
 
 
 def field_at(system: System, entry: str) -> QuantityField:
-    """Declaration of the number at an entry, which the system has.
+    """Declaration of the number at an entry of the system.
 
-    A number of a contact law is declared in the class of the law. All others are found
-    by the last word of the entry; if none of that name is declared, a declaration
-    without unit and of any sign is returned. IndexError or KeyError for a contact, or a
-    number of its law, that the system does not have.
+    A number of a contact law is declared in the class of the law. The declarations of
+    all other numbers are in `FIELDS`, by the last word of the entry; without one there,
+    a declaration without unit and of any sign is returned. IndexError or KeyError for a
+    contact, or a number of its law, that the system does not have.
     """
     owner, _, field = entry.rpartition(".")
     if owner.startswith("contacts") and field != "gap":
@@ -145,10 +145,11 @@ def unit_at(system: System, entry: str) -> str:
 def suggestion(path: str, choices: Collection[str]) -> str:
     """Hint at the choices that may be meant by an unknown path, for a message.
 
-    Only choices count that share the longest beginning with the path. Those that end
-    with the rest of the path stand deeper, and are named all: the area of a stepped rod
-    is that of a segment. Else the nearest choice is named. If none is near all are
-    listed, or if they are more than `MOST_CHOICES`, only their next parts.
+    Only the choices that share the longest beginning with the path are considered. If
+    some of them end with the rest of the path, all of these are named: the area of a
+    stepped rod, for example, is in its segments. Else the nearest choice is named. If
+    none is near, all are listed, or only their next parts if there are more than
+    `MOST_CHOICES`.
     """
     beginning = _shared_beginning(path, choices)
     last_parts = path.removeprefix(beginning)
@@ -177,7 +178,7 @@ def _shared_beginning(path: str, choices: Collection[str]) -> str:
 
     Only whole parts of the path count, and never the last one; "" if no part is shared.
     """
-    # A long text, pasted by mistake, is not searched to its end.
+    # Only the beginning of a long text, pasted by mistake, is searched.
     parts = path[: 2 * MOST_SHOWN].split(".")[:-1]
     for n in range(len(parts), 0, -1):
         beginning = ".".join(parts[:n]) + "."

@@ -1,7 +1,4 @@
-"""Velocity of an end whose position is prescribed.
-
-It is the derivative, which is exact for the curve of the position.
-"""
+"""Velocity of an end with a prescribed position: exact derivative of its curve."""
 
 from typing import Any
 
@@ -52,7 +49,7 @@ def _of_lines(position: Samples) -> Any:
     """
     dt: Any = position.step  # between samples, s
     rises = np.diff(position.values)
-    # A line has a velocity of its own if its slope is not that of the line before.
+    # Whether a line has another slope than the line before: then a step begins.
     is_new = np.append(True, rises[1:] != rises[:-1])
     values = []
     starts = []
@@ -62,7 +59,7 @@ def _of_lines(position: Samples) -> Any:
     if rises[-1] != 0:  # after the last sample the end stays where it is
         values.append(0.0)
         starts.append(len(rises) * dt)
-    if len(values) == 1:  # one step alone is a rest: any motion is followed by a stop
+    if len(values) == 1:  # the end never moves: a motion has a second step, the stop
         return values[0]
     return Steps(values, starts[1:])  # the first start, t = 0, is no jump
 
@@ -89,13 +86,14 @@ def _of_spline(problems: Problems, position: Samples) -> Any:
     times = step * np.arange(len(samples))
     velocity = make_interp_spline(times, samples, SPLINE_DEGREE).derivative()
     values = velocity(times[:-1, None] + step * SHARES)  # [interval, place]
-    # Neighbouring polynomials share the value between them: no round-off makes a jump.
+    # Neighbouring polynomials get equal values at their border, without round-off, so
+    # that there is no jump.
     values[:, 0] = velocity(times[:-1])
     values[:, -1] = velocity(times[1:])
     at_rest = np.zeros(VALUES_PER_INTERVAL)  # after the last sample
     all_values = np.append(values.ravel(), at_rest).tolist()
     borders = times[1:].tolist()
-    # An error of the curve that is 0 at the samples is taken to be as steep as a sine
-    # whose half period is the step.
+    # The error of the position is 0 at the samples. Its slope is estimated as that of a
+    # sine with the step as half period.
     error = np.pi * position.error / step
     return Polynomials(all_values, borders, error=error)

@@ -35,7 +35,7 @@ SAMPLES_ALONG_ROD = 1025
 SAMPLES_IN_TIME = 4097
 """Number of times at which a function of time is sampled."""
 JUMP_RTOL = 1e-9
-"""Jump between polynomials that is no round-off, over their largest value."""
+"""Round-off of a jump between polynomials, relative to their largest value."""
 SPLINE_DEGREE = 5
 """Degree of the spline through smooth samples."""
 ERROR = QuantityField(sign="non-negative", scalar=True)
@@ -73,9 +73,9 @@ class Steps(FrozenDataclass):
     at: Sequence[Any] = quantity("", "positive", many=True)
 
     def _check(self, problems: Problems) -> None:
-        """Add a problem unless jumps increase, and are one fewer than the values.
+        """Add a problem unless jumps increase, and there is one value more than jumps.
 
-        After other problems nothing is checked.
+        Nothing is checked if there are other problems.
         """
         if problems:
             return
@@ -92,7 +92,7 @@ class Steps(FrozenDataclass):
 
 
 def _is_zero(error: object) -> bool:
-    """Whether an error is 0; one that is not yet checked may be anything."""
+    """Whether an error is the float 0; an unchecked error may be any object."""
     return isinstance(error, float) and error == 0.0
 
 
@@ -245,7 +245,7 @@ class Polynomials(FrozenDataclass):
         n_intervals = len(self.inner) + 1
         values = np.asarray(self.values, dtype=float).reshape(n_intervals, -1)
         n = values.shape[1]  # values of an interval, at Chebyshev points
-        y = -np.cos(np.pi * np.arange(n) / (n - 1))  # places of the values
+        y = -np.cos(np.pi * np.arange(n) / (n - 1))  # places of the values, -1 to 1
         coefficients_to_values = chebyshev.chebvander(y, n - 1)  # T_k(y), [place, k]
         values_to_coefficients = np.linalg.inv(coefficients_to_values)  # [k, place]
         coefficients: Floats = values @ values_to_coefficients.T
@@ -263,9 +263,9 @@ class Polynomials(FrozenDataclass):
 
 
 def _renamed(description: dict[str, Any], key: str) -> dict[str, Any]:
-    """Description of a profile with `key` in place of "values".
+    """Description of a profile with the key "values" renamed to `key`, as first entry.
 
-    That is taken from the given description.
+    The entry "values" is removed from the given description.
     """
     renamed = {key: description.pop("values")}
     renamed.update(description)
@@ -307,7 +307,8 @@ def checked_along_rod(
     Returns
     -------
     float, array, Steps, Samples or Polynomials
-        After a mistake it is of no use; a function stays if the length is unknown.
+        After a mistake it is meaningless; a function is returned as it is if the length
+        is unknown.
     """
     profile: Profile = value
     if isinstance(value, Steps | Polynomials):
@@ -341,8 +342,8 @@ def _check_inside(
 ) -> None:
     """Add a problem unless the last jump or border of a profile lies inside the rod.
 
-    A profile without jumps is always sound. In a family this must hold for every
-    member; InvalidModel if the numbers of the profile and the length do not broadcast.
+    A profile without jumps is always accepted. In a family this must hold for every
+    member. InvalidModel if the numbers of `Steps` and the length do not broadcast.
     """
     if isinstance(profile, Steps):
         places = list(profile.at)
@@ -365,7 +366,7 @@ def _check_inside(
 def in_time(
     value: Any, field: QuantityField, duration: Any, name: str = "value"
 ) -> Profile:
-    """Check the value of a driven end as a profile from t = 0 on, and return it.
+    """Check the value of a driven end as a profile in time, from t = 0; return it.
 
     A function becomes `Samples`; `Steps` and `Samples` stay as they are.
 
@@ -429,7 +430,7 @@ def latest_border(profile: Any) -> float:
 def jumps_inside(profile: Any) -> bool:
     """Whether steps, or neighbouring polynomials, jump by more than round-off.
 
-    `Steps` always count as jumps; numbers and samples never do. Round-off is
+    The result is True for `Steps`, and False for numbers and samples. Round-off is
     `JUMP_RTOL` times the largest magnitude of the values.
     """
     if isinstance(profile, Steps):
@@ -438,12 +439,13 @@ def jumps_inside(profile: Any) -> bool:
         return False
     n_intervals = len(profile.inner) + 1
     values = np.reshape(profile.values, (n_intervals, -1))  # [interval, place]
-    jumps = np.abs(values[1:, 0] - values[:-1, -1])  # first value less last before it
+    # From the last value of each interval to the first value of the next one
+    jumps = np.abs(values[1:, 0] - values[:-1, -1])
     return bool(np.any(jumps > JUMP_RTOL * np.abs(values).max()))
 
 
 def negative(profile: Profile) -> Profile:
-    """Return minus the profile, also of a number: all its values change their sign."""
+    """Return the profile, or the number, with the opposite sign of all its values."""
     if isinstance(profile, Steps | Samples | Polynomials):
         values = [-value for value in profile.values]
         return profile.replace(values=values)
@@ -467,8 +469,9 @@ def scaled(profile: Profile, factor: float) -> Profile:
 def flipped(profile: Profile, length: Number) -> Profile:
     """Return the profile along a rod of that length, m, seen from the other end.
 
-    The values come in the opposite order, and places are counted from the other end. A
-    piece of `Steps` that has no width then, by round-off, is left out. A number stays.
+    The values are in the opposite order, and places are measured from the other end. A
+    piece of `Steps` whose new width is 0 by round-off is left out. A number is returned
+    as it is.
     """
     if isinstance(profile, Samples):
         return profile.replace(values=profile.values[::-1])
@@ -486,8 +489,8 @@ def flipped(profile: Profile, length: Number) -> Profile:
     values = []
     starts = []
     for i, value in enumerate(reversed(profile.values)):
-        # Next to the other end two places may round to one. The piece between them has
-        # no width in any member, and is left out.
+        # Round-off can make two edges equal. A piece without width in any member is
+        # left out.
         has_width = np.any(np.asarray(edges[i + 1]) > edges[i])
         if has_width:
             values.append(value)
@@ -498,9 +501,9 @@ def flipped(profile: Profile, length: Number) -> Profile:
 def extremes(profile: Profile) -> list[Any]:
     """Smallest and largest value of a profile, [smallest, largest].
 
-    They are floats, or arrays of the members where `Steps` or a number vary in a
-    family. Only stored values are compared: between them `Polynomials` may go a little
-    beyond.
+    They are floats, or arrays over the members if `Steps` or a number vary in a family.
+    Only stored values are compared: between them `Polynomials` may be a little smaller
+    or larger.
     """
     if isinstance(profile, Samples | Polynomials):
         smallest = float(np.min(profile.values))
@@ -515,8 +518,8 @@ def extremes(profile: Profile) -> list[Any]:
 def averages(profile: Any, edges: Any, length: float) -> Floats:
     """Mean values of a profile between neighbouring edges.
 
-    Steps and samples go on beyond their ends with their first and last value;
-    polynomials count as 0 there.
+    Beyond their ends, steps and samples keep their first and last value; polynomials
+    count as 0 there.
 
     Parameters
     ----------
@@ -555,9 +558,8 @@ def _averages_of_steps(steps: Steps, edges: Floats) -> Floats:
     """
     jumps = np.array(steps.at, dtype=float)
     values = np.array(steps.values, dtype=float)  # value i ends at jump i
-    # Index of the first and the last value in each interval: just right of its left
-    # edge, and just left of its right one. A jump on an edge lies inside neither of two
-    # intervals.
+    # Indices of the values just right of the left edge and just left of the right edge
+    # of each interval. So a jump on an edge lies inside neither of its two intervals.
     first = np.searchsorted(jumps, edges[:-1], side="right")
     last = np.searchsorted(jumps, edges[1:], side="left")
     means: Floats = values[first]  # of intervals without a jump
@@ -576,11 +578,12 @@ def _averages_of_steps(steps: Steps, edges: Floats) -> Floats:
 def _averages_of_samples(samples: Samples, edges: Floats, length: float) -> Floats:
     """Mean values of lines between samples, between n + 1 edges, shape (n,).
 
-    Samples without a step run over `length` from end to end. The first and the last
-    sample hold outside. Every interval is cut where samples lie in it, and the trapezia
-    of its parts are added. A difference of integrals from the first sample on would
-    lose a small value beside one that is 1e20 times as large.
+    Samples without a step are spread over `length`, m, from end to end. Outside, the
+    first and the last sample hold. Every interval is cut at the samples inside it, and
+    the trapezia of its parts are added. The shape is (0,) for fewer than two edges.
     """
+    # Differences of one integral from x = 0 would lose small values beside values that
+    # are 1e20 times as large.
     if len(edges) < 2:
         return np.zeros(0)
     values = np.asarray(samples.values, dtype=float)
@@ -598,7 +601,8 @@ def _averages_of_samples(samples: Samples, edges: Floats, length: float) -> Floa
     mean_heights = (heights[1:] + heights[:-1]) / 2
     trapezia = mean_heights * np.diff(cuts)
     first_parts = np.searchsorted(cuts, edges[:-1])  # first part of each interval
-    # `reduceat` adds the trapezia from each of these parts up to the next of them.
+    # `reduceat` adds the trapezia from the first part of each interval up to the first
+    # part of the next one.
     integrals = np.add.reduceat(trapezia, first_parts)
     return np.asarray(integrals / np.diff(edges))
 
@@ -608,15 +612,15 @@ def _averages_of_polynomials(
 ) -> Floats:
     """Mean values of polynomials along a rod between n + 1 edges, shape (n,).
 
-    The length of the rod is in m; beyond it the values count as 0. The means are
-    differences of the integral from x = 0 on, over the widths. At a place in an
-    interval of width w this is the integral to the left border of the interval plus w/2
-    times a primitive in y, -1 to 1, as dx = w/2 dy.
+    `length` is that of the rod, m; outside of it the values count as 0. The means are
+    differences of the integral from x = 0, divided by the distances of the edges. In an
+    interval of width w, this integral is its value at the left border plus w/2 times a
+    primitive in y, where y runs from -1 to 1 and dx = (w/2) dy.
     """
     borders = np.concatenate(([0.0], profile.inner, [length]))
     widths = np.diff(borders)
-    # Primitives that are 0 at y = -1, [interval, degree]. At y = 1, the end of its
-    # interval, a series is the sum of its coefficients.
+    # Primitives that are 0 at y = -1, [interval, degree]. Every T_k(1) is 1, so that at
+    # y = 1, the end of the interval, the primitive is the sum of its coefficients.
     primitives = chebyshev.chebint(profile.coefficients(), lbnd=-1, axis=1)
     integrals = primitives.sum(axis=1) * widths / 2
     integral_to_border = np.concatenate(([0.0], np.cumsum(integrals)))
@@ -635,8 +639,9 @@ def _averages_of_polynomials(
 def profile_from(data: Any) -> Any:
     """Make the profile that `to_dict` described.
 
-    The key "polynomials", "samples" or "values" tells the kind. All other data, such as
-    a number or a dictionary without these keys, are returned as they are.
+    The kind of profile follows from the key "polynomials", "samples" or "values". All
+    other data, such as a number or a dictionary without these keys, are returned as
+    they are.
     """
     if not isinstance(data, dict):
         return data
@@ -664,9 +669,9 @@ def _samples_of(
     """Samples of a function at places, m, or times, s, at equal distances.
 
     The curve between them is a spline (`smooth`) or straight lines, whichever is nearer
-    to the function half way between the samples. The largest distance there is the
-    error of the samples. `step` is that of samples in time, s; None along a rod, whose
-    length says it. A mistake is noted in `problems`; then 0.0 is returned.
+    to the function half way between the samples. The largest difference there is the
+    error of the samples. `step` is the time between samples, s; None along a rod. A
+    mistake is added to `problems`, and 0.0 is returned.
     """
     from scipy.interpolate import make_interp_spline
 
@@ -702,7 +707,7 @@ def _values_of(
     try:
         values = floats(function(places.copy()), field.unit)
     except Exception:
-        values = np.zeros(0)
+        values = np.zeros(0)  # of a wrong shape
     if values.shape != places.shape:
         values = _values_one_by_one(function, places, field)
     is_allowed = (np.abs(values) <= frozen.LARGEST) & field.holds(values)
@@ -738,6 +743,6 @@ def _values_one_by_one(
         message = f"must be a function that returns numbers: {error}"
         raise ValueError(message) from None
     if values.shape != places.shape:
-        first = shown(values[0])  # an array, returned at the first place, which is 0
+        first = shown(values[0])  # the array that was returned for the place 0.0
         raise ValueError(f"must be a function that returns numbers, got {first} at 0.0")
     return values

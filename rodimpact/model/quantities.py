@@ -1,9 +1,9 @@
-"""Conversion of numbers that users give to floats.
+"""Conversion of the numbers that users give, to floats.
 
-Quantities of pint, astropy, unyt and their like are converted by their own unit. Values
-that would lose a part are refused: labels, a mask, an imaginary part, digits beyond a
-float. Values that only look like numbers are refused, too: truth values, text, bytes
-and dates.
+Quantities of pint, astropy, unyt and similar libraries are converted by their own unit.
+A value that would lose a part is refused: labels, a mask, an imaginary part, or a size
+beyond a float. Values that only look like numbers are refused, too: truth values, text,
+bytes and dates.
 """
 
 import re
@@ -18,7 +18,7 @@ from ..units import dimension_of, parse, shown
 Floats: TypeAlias = NDArray[np.float64]
 
 MAX_AXES = 32
-"""Axes of a family, of which NumPy broadcasts no more."""
+"""Number of axes of a family, at most: NumPy broadcasts no more."""
 _BARE_TYPES = frozenset({float, int, np.float64})
 """Types of the values that are converted without any check."""
 _UNIT_WORDS = {
@@ -58,7 +58,8 @@ def floats(value: Any, unit: str) -> Floats:
     reason = ""
     if isinstance(value, str):
         reason = f"; units.parse reads text with a unit: {_reading_of(value, unit)}"
-    # A ValueError of `_strip_units`, or on the axes, is not caught: it has its message.
+    # A ValueError of `_strip_units`, or on the axes, has a message of its own and is
+    # not caught.
     try:
         bare = _strip_units(value, unit)
         try:
@@ -76,7 +77,7 @@ def floats(value: Any, unit: str) -> Floats:
     except OverflowError:
         reason = "; it is too large for a floating-point number"
     except (TypeError, RecursionError):
-        pass
+        pass  # there is no other reason than "must be a number"
     raise ValueError(f"must be a number{of_unit(unit)}, got {shown(value)}{reason}")
 
 
@@ -106,7 +107,7 @@ def is_integer(value: Any) -> bool:
 
 
 def of_unit(unit: str) -> str:
-    """Words behind "a number" in a sentence: " of metres"; "" for a pure number."""
+    """Words that follow "a number" in a message: " of metres"; "" for a pure number."""
     if not unit:
         return ""
     return f" of {_UNIT_WORDS.get(unit, unit)}"
@@ -122,7 +123,7 @@ def _strip_units(value: Any, unit: str) -> Any:
     if type(value) in _BARE_TYPES:
         return value
     if isinstance(value, list | tuple):
-        # If all items are bare, they need no look at each.
+        # For speed: a list of bare numbers is returned as it is.
         if _BARE_TYPES.issuperset(map(type, value)):
             return value
         return [_strip_units(item, unit) for item in value]
@@ -136,7 +137,7 @@ def _strip_units(value: Any, unit: str) -> Any:
     if hasattr(value, "units") or hasattr(value, "unit"):
         return _strip_units(_magnitude(value, unit), unit)
     array = np.asarray(value)
-    if array.dtype.kind == "O" and array.ndim:  # an array of objects
+    if array.dtype.kind == "O" and array.ndim:  # an array of objects: look at each
         return _strip_units(array.tolist(), unit)
     is_numeric = array.dtype.kind in "fiu"  # floats, signed and unsigned integers
     if not is_numeric:

@@ -18,8 +18,8 @@ SHAFTS: dict[str, type[Shaft]] = {kind.kind: kind for kind in get_args(Shaft)}
 def shaft_along_rod(shaft: Shaft, length: Number | None) -> Shaft:
     """Shaft whose profiles are checked along a rod of this length, m, and sampled.
 
-    A function becomes `Samples`. The length is None where it is unknown; InvalidModel
-    if a profile has mistakes.
+    A function becomes `Samples`. The length is None if it is unknown. InvalidModel if a
+    profile has mistakes.
     """
     if isinstance(shaft, Drag):
         return drag.drag_along_rod(shaft, length)
@@ -29,8 +29,8 @@ def shaft_along_rod(shaft: Shaft, length: Number | None) -> Shaft:
 def mirrored(shaft: Shaft, length: Number) -> Shaft:
     """The soil or drag along a rod of this length, m, with left and right exchanged.
 
-    Profiles are read from the other end. The share of soil that is mobilised has a
-    direction, so it changes its sign; other numbers stay.
+    Profiles are reversed. The mobilised share of soil has a direction, so it changes
+    its sign; other numbers are kept.
     """
     if isinstance(shaft, Drag):
         return shaft.replace(coefficient=flipped(shaft.coefficient, length))
@@ -42,7 +42,10 @@ def mirrored(shaft: Shaft, length: Number) -> Shaft:
 
 
 def shaft_from(parameters: dict[str, Any]) -> Shaft:
-    """Make the shaft of its parameters and its kind; without a kind it is soil."""
+    """Make the soil or drag with these parameters, among them its kind.
+
+    Without the entry "kind" it is soil. The given dictionary is not changed.
+    """
     parameters = dict(parameters)
     kind = parameters.pop("kind", Soil.kind)
     return SHAFTS[kind](**parameters)

@@ -32,13 +32,14 @@ def checked_along(
 ) -> Any:
     """A value along a rod of this length, m, checked; a function becomes `Samples`.
 
-    Mistakes of a profile are added to `problems`; what is returned then is of no use. A
-    number is returned as it is, unchecked. The length is None if it is unknown.
+    Mistakes of a profile are added to `problems`; the returned value is then
+    meaningless. A number is returned as it is, unchecked. The length is None if it is
+    unknown.
     """
     if not is_profile(value):
         return value
     profile = profiles.checked_along_rod(problems, name, value, field, length)
-    if isinstance(profile, Steps):  # `along_rod` allows any sign of these
+    if isinstance(profile, Steps):  # `checked_along_rod` does not check their signs
         for i, step in enumerate(profile.values):
             field.checked(problems, f"{name}.values.{i}", step)
     return profile
@@ -47,9 +48,9 @@ def checked_along(
 def spread(amount: Any, edges: Any, length: float) -> Floats:
     """Amount of each stretch between n + 1 neighbouring edges of a rod, shape (n,).
 
-    A profile is the amount per length, whose mean is taken. A number is the amount of
-    the whole rod of this length, m, over which it is spread evenly. Both are those of a
-    single rod.
+    A profile is the amount per length: its mean between the edges is multiplied by
+    their distance. A number is the amount of the whole rod of this length, m, and is
+    spread evenly over it. Neither may be a family.
     """
     per_length: Any
     if isinstance(amount, PROFILES):

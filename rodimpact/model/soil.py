@@ -26,7 +26,11 @@ from .shaft_profiles import PROFILES, checked_along, is_profile, spread
 SMITH = "smith"
 VISCOUS = "viscous"
 DAMPING_LAWS = (SMITH, VISCOUS)
-"""Words for what the damping of soil is proportional to."""
+"""Damping laws of soil.
+
+The damping force is proportional to the present static resistance (`SMITH`), or to the
+ultimate resistance (`VISCOUS`).
+"""
 RESISTANCE_PER_LENGTH = QuantityField("N/m", "non-negative", along="length")
 """Resistance that varies along the rod."""
 
@@ -85,7 +89,8 @@ class Soil(FrozenDataclass, kind="soil"):
     def _check(self, problems: Problems) -> None:
         """Check the word of the law; check and set the resistance and mobilised share.
 
-        Profiles of these two stay unchecked: `along_rod` checks them with their rod.
+        Profiles of these two are not checked here: `soil_along_rod` checks them when
+        the rod is made.
         """
         law: Any = self.law
         if not isinstance(law, str) or law not in DAMPING_LAWS:

@@ -48,9 +48,9 @@ GAP = QuantityField("m", "non-negative", "gap", default=0.0)
 GAP_OR_OVERLAP = QuantityField("m", label="gap")
 """Gap of a compliant contact: minus the overlap where it begins pressed."""
 ELASTIC_RTOL = 1e-9
-"""Relative round-off by which an overlap may be beyond that at which a contact yields.
+"""Relative round-off by which an initial overlap may exceed the overlap of yielding.
 
-It is computed from a force, and the force from an overlap.
+The initial overlap is computed from a force, and that force from an overlap.
 """
 LOSSLESS = {"viscosity": 0, "damping": 0, "restitution": 1}
 """Numbers of a motion without losses, which can be reversed in time."""
@@ -111,9 +111,8 @@ class System(FrozenDataclass):
     def _check(self, problems: Problems) -> None:
         """Check bodies, laws, gaps and ends together; set them, as tuples.
 
-        Laws, gaps and ends that are None become rigid contacts, 0 and free ends. The
-        shape of a family is set, too. InvalidModel with all mistakes, and `problems`
-        among them.
+        Contacts that are None become rigid, gaps 0, ends free. The shape of a family is
+        set, too. InvalidModel names all mistakes, including those in `problems`.
         """
         bodies: Any = self.bodies
         _check_bodies(problems, bodies)
@@ -123,9 +122,10 @@ class System(FrozenDataclass):
             _check_any_moves(problems, bodies, laws)
         given_gaps = _one_per_pair(problems, "gaps", self.gaps, 0.0, n_pairs)
         gaps = []
-        # A list of the wrong length has a problem by now; its pairs are checked.
+        # A list of the wrong length is a problem already. The pairs that have both a
+        # law and a gap are checked all the same, so `strict` is False.
         for i, law, gap in zip(range(n_pairs), laws, given_gaps, strict=False):
-            # A law that is none has its problem in `_check_contact`.
+            # An object that is no contact law is reported by `_check_contact`.
             is_law = type(law) in _LAWS
             is_compliant = is_law and not isinstance(law, Rigid | Bonded | Joint)
             field = GAP
@@ -224,13 +224,13 @@ class System(FrozenDataclass):
             raise IndexError(f"index: {message}") from None
 
         def pick(array: Floats) -> Number:
-            """Numbers of the chosen members, as a read-only array, or a float for one.
+            """Numbers of the chosen members: a read-only array, or a float for one.
 
-            They are taken from the numbers of all members.
+            The `array` of numbers broadcasts to the shape of the whole family.
             """
             view = np.broadcast_to(array, self.shape)[index]
-            # Broadcasting has given axes along which the array does not vary the stride
-            # 0. They are reduced to one entry.
+            # After broadcasting, an axis along which the array does not vary has the
+            # stride 0. Such an axis is reduced to one entry.
             first_only = [slice(None)] * view.ndim
             for axis, stride in enumerate(view.strides):
                 if stride == 0:
@@ -270,7 +270,7 @@ class System(FrozenDataclass):
         return description
 
     def check_file(self) -> None:
-        """Raise InvalidModel where a law is a function, which no file keeps."""
+        """Raise InvalidModel if a contact law is a function, which no file can hold."""
         problems: Problems = []
         for i, law in enumerate(self.contacts):
             if isinstance(law, Law):
@@ -370,7 +370,9 @@ class System(FrozenDataclass):
         return self.replace(bodies=bodies)
 
     def mirrored(self) -> System:
-        """Return the row with left and right exchanged: velocities and gravity turn.
+        """Return the row with left and right exchanged, as seen in a mirror.
+
+        Velocities and gravity change their signs.
 
         Returns
         -------
@@ -422,7 +424,7 @@ def _mirrored_end(end: End) -> End:
     if isinstance(end, Moved) and end.position is not None:
         return Moved(position=negative(end.position))
     if isinstance(end, Moved):
-        # A function has become samples when the end was made: no duration is needed.
+        # `Moved` samples a function when it is made, so no duration is needed here.
         return Moved(negative(end.value))
     return end
 
@@ -551,10 +553,10 @@ def _check_contact(
 
 
 def _check_elastic_overlap(problems: Problems, i: int, law: Any, gap: Number) -> None:
-    """Add a problem of contact i if it begins pressed farther than where it yields.
+    """Add a problem of contact i if its initial overlap exceeds the yield overlap.
 
-    The law is `Plastic`. An overlap at the beginning is elastic, so the gap may not be
-    less than -(yield force)/stiffness.
+    The law is `Plastic`. An initial overlap must be elastic, so the gap may not be less
+    than -(yield force)/stiffness.
     """
     least_gap = -np.divide(law.yield_force, law.stiffness)
     is_elastic = np.greater_equal(gap, least_gap * (1 + ELASTIC_RTOL))

@@ -20,11 +20,11 @@ class FacePushes(NamedTuple):
 def final_displacement(run: Run, fields: Fields, body: int) -> float:
     """Displacement of the centre of mass of a body at the end of the run, m.
 
-    Of a rod it follows from Newton's law integrated twice:
-    m u = p0 t + integral(J) dt + m g t^2/2, p0 the momentum at t = 0 and J the impulse
-    up to a time of the forces on the two faces, and of soil or drag along the shaft.
-    The displacement of a wall or a rigid mass is read from `fields`, since all its
-    points move alike.
+    For a rod it follows from Newton's law integrated twice:
+    m u = p0 t + (integral of J from 0 to t) + m g t^2/2. Here p0 is the momentum at
+    t = 0, and J the impulse of the forces on the two faces, and of soil or drag along
+    the shaft, up to a time. The displacement of a wall or a rigid mass is that of any
+    of its points, from `fields`.
     """
     clock = fields.clock
     last_tick = fields.end
@@ -33,7 +33,8 @@ def final_displacement(run: Run, fields: Fields, body: int) -> float:
     if not is_rod:
         return float(fields.displacement(body, 0.0, time))
     impulse_integral = 0.0  # N s^2
-    # A push acts to the right on the left face (1), to the left on the right (-1).
+    # `INWARD`: a push acts to the right on the left face (1), and to the left on the
+    # right face (-1).
     for push, sign in zip(pushes_on(run, body), INWARD, strict=True):
         if push is not None:
             twice_integrated = float(push.integrated_twice(last_tick))  # N ticks^2

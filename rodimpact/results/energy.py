@@ -185,6 +185,7 @@ def _momentum(fields: Fields, body: int, times: Floats) -> Floats:
     """Momentum of a rod or of a rigid mass at times [time] in s, kg m/s."""
     if body in fields.rods:
         return fields.momentum(body, times)
+    # A mass has one point only, at 0.0 from its left end.
     return fields.clock.mass(body) * fields.velocity(body, 0.0, times)
 
 
@@ -267,11 +268,11 @@ def _contact_energies(contacts: Sequence[ContactHistory], t: Floats) -> ContactE
 def ledger(
     fields: Fields, contacts: Sequence[ContactHistory], states: BondedGroups
 ) -> EnergyLedger:
-    """Energy ledger at the ticks of the states; each entry is J [time].
+    """Energy ledger at the ticks of `states`, the motion of the bonded groups.
 
-    The first tick must be 0, since losses and works count from it. In the balance,
-    residual = energy gained + energy lost + works on shafts - works of boundaries and
-    of gravity.
+    Each entry is J [time]. The first tick must be 0, since losses and works count from
+    it. In the balance, residual = energy gained + energy lost + works on shafts - works
+    of boundaries and of gravity.
     """
     ticks = states.ticks
     works = _boundary_works(fields, ticks)
@@ -289,7 +290,7 @@ def ledger(
     # Work on soil and drag is energy that leaves the bodies, as losses are.
     residual = gained + (lost + on_shafts.soil)
     residual = residual + on_shafts.drag
-    for work in (*works, gravity_work):
+    for work in (*works, gravity_work):  # of walls, drives, absorbing ends and gravity
         residual = residual - work
     return EnergyLedger(
         kinetic=states.kinetic,
@@ -316,7 +317,7 @@ def _boundary_works(fields: Fields, ticks: Ints) -> BoundaryWorks:
     such an end. A push is positive into the row, a speed to the right, so the power is
     push times speed at the left end, and its opposite at the right end (`INWARD`).
     """
-    # By the kinds of ends, which are the names of the fields of `BoundaryWorks`
+    # The key is the kind of an end, which is the name of a field of `BoundaryWorks`.
     works: dict[str, Floats] = {}
     for kind in BoundaryWorks._fields:
         works[kind] = np.zeros(ticks.shape)
@@ -362,7 +363,7 @@ def _gravity_work(fields: Fields, states: BondedGroups) -> Floats:
     for end_action, sign in zip(fields.signals.boundary_actions, INWARD, strict=True):
         if end_action is not None:
             push_integral = end_action.push.integrated_twice(ticks)
-            # A tick for each of the two integrals turns them into integrals over time.
+            # Both integrals are over ticks: each takes the factor of seconds per tick.
             by_push = sign * push_integral * clock.tick * clock.tick
             momentum_integral = momentum_integral + by_push
     for action in fields.signals.shafts.values():

@@ -6,7 +6,7 @@ from typing import NamedTuple
 from ..hints import explain_missing
 
 EQUAL_STRESS_RTOL = 1e-12
-"""Relative difference of stresses below which they are equal but for round-off."""
+"""Stresses whose relative difference is at most this are equal up to round-off."""
 
 
 @explain_missing()
@@ -82,8 +82,8 @@ class ExtremeStress(NamedTuple):
 def strongest(peaks: Iterable[StressPeak]) -> StressPeak:
     """The peak of largest absolute stress; `NO_STRESS` if there is none, or all are 0.
 
-    Of peaks that are equal but for round-off, `EQUAL_STRESS_RTOL`, it is the earliest
-    one, and of several at that time the leftmost.
+    Among peaks that are equal up to round-off, `EQUAL_STRESS_RTOL`, it is the earliest
+    one, and among several at that time the leftmost.
     """
     candidates = [NO_STRESS, *peaks]  # a stress of 0, so that there is a largest one
     largest = max(abs(peak.stress) for peak in candidates)  # Pa

@@ -13,11 +13,12 @@ from ..methods.signals import Floats
 from ..model import Rod
 
 COMPARED_POINTS = 65
-"""Points of a rod at which fields are compared, both ends among them."""
+"""Number of points of a rod at which fields are compared, both ends included."""
 COMPARED_STEPS = (-2.0, -1.0, 0.0, 1.0, 2.0)
-"""Times about a time at which fields are compared, in steps of the coarser mesh.
+"""Delays at which fields are compared around a time, in steps of the coarser mesh.
 
-The difference of two meshes changes its sign over time, and may be 0 at one time alone.
+One time is not enough: the difference of two meshes changes its sign over time, and may
+be 0 there by chance.
 """
 
 
@@ -66,8 +67,9 @@ def field_error(fine: Any, coarser: Sequence[CoarserSolution], t: Floats) -> Fie
     """Stated errors of the fields of a solution, by comparison with coarser meshes.
 
     The difference of a field on two meshes is the largest one over all rods and points,
-    and over times up to two steps of the coarser mesh from t. The error is that share
-    of it which `Coarser.share` gives, and of several coarser meshes the largest error.
+    and over times up to two steps of the coarser mesh from t. The error is this
+    difference times `Coarser.share`. If there are several coarser meshes, it is the
+    largest of their errors.
 
     Parameters
     ----------
@@ -96,10 +98,11 @@ def field_error(fine: Any, coarser: Sequence[CoarserSolution], t: Floats) -> Fie
 def _error_of(
     name: str, fine: Any, coarser: Sequence[CoarserSolution], t: Floats
 ) -> Floats:
-    """Stated error of the field of that name near times t, s, [time].
+    """Stated error of the field `name` near times t, s, [time].
 
-    It is the largest by any coarser mesh; inf at times that no coarser run reaches.
-    Each mesh gives its `Coarser.share` of the largest difference near a time.
+    Each coarser mesh gives an error: its `Coarser.share` times the largest difference
+    near a time. The largest of these errors is returned; inf at times that no coarser
+    run reaches.
     """
     largest_error = np.zeros(t.size)
     is_compared = np.zeros(t.size, dtype=bool)
@@ -107,12 +110,12 @@ def _error_of(
         time_step = coarse.fields.step  # s
         delays = time_step * np.array(COMPARED_STEPS)
         times = np.clip(t[:, None] + delays, 0.0, fine.t_end)  # [time, delay]
-        # A time counts where the coarser run reaches all the times near it.
+        # A time is compared only if the coarser run reaches all times near it.
         is_reached = times.max(axis=1) <= coarse.t_end
         if not is_reached.any():
             continue
         difference = _largest_difference(name, fine, coarse, times[is_reached])
-        # The finer mesh has at most this share of the difference as its error.
+        # The error of the finer mesh is at most this share of the difference.
         by_this_mesh = mesh.share * difference
         largest_error[is_reached] = np.maximum(largest_error[is_reached], by_this_mesh)
         is_compared |= is_reached
@@ -122,9 +125,9 @@ def _error_of(
 def _largest_difference(name: str, fine: Any, coarse: Any, times: Floats) -> Floats:
     """Largest absolute difference of a field of two solutions near each time, [time].
 
-    It is the largest one over all rods, over `COMPARED_POINTS` of each, and over the
-    times near each time, `times` [time, delay], s. `name` is that of the field. Walls
-    and rigid masses are left out; 0 without a rod.
+    It is the largest one over all rods, over `COMPARED_POINTS` points of each, and over
+    the times near each time: `times` is [time, delay], s. `name` is that of the field.
+    Walls and rigid masses are left out; the result is 0 if there is no rod.
     """
     largest = np.zeros(len(times))
     instants = times.ravel()

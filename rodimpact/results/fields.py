@@ -1,7 +1,7 @@
-"""The state of every point of the row at every time: what solutions ask of any method.
+"""The state of every point of the row at every time, whatever method solved it.
 
-A method that finds end signals has `WaveFields`, one that finds states on a grid
-`GridFields`.
+`WaveFields` computes it from the waves that leave the ends of rods, `GridFields` from
+states on a grid.
 """
 
 from functools import cached_property
@@ -20,7 +20,7 @@ from ..model.frozen import invalid_argument
 from .extreme_stress import ExtremeStress
 
 END_RTOL = 1e-12
-"""A point or a time may lie beyond the end by this share: it was rounded."""
+"""A point or a time may lie beyond the end by this fraction, its round-off."""
 
 
 class Profile(NamedTuple):
@@ -65,10 +65,10 @@ class Location(NamedTuple):
 
 
 def to_side(ticks: Ints, side: Side) -> Ints:
-    """Ticks moved to just after ("right") or just before ("left") a jump there.
+    """Ticks moved to just after ("right") or just before ("left") a jump at each tick.
 
-    The ticks were rounded from times, and a float does not resolve single ticks beyond
-    2^51. So a tick moves by ticks/2^51, rounded down: one below 2^51 stays.
+    The ticks were rounded from times, and beyond 2^51 a float does not resolve single
+    ticks. So each tick moves by tick/2^51, rounded down: below 2^51 it does not move.
     InvalidModel for any other side.
     """
     check_choice("side", side, ("right", "left"))
@@ -92,8 +92,8 @@ class Fields(Protocol):
 
     Notes
     -----
-    Points x are in m from the left end of a body, ticks and times t are those of the
-    run. Both broadcast, and values have the shape to which they do.
+    Points x are in m from the left end of a body; ticks and times t are those of the
+    run. Points and times broadcast, and values have their broadcast shape.
     """
 
     clock: Clock
@@ -105,7 +105,7 @@ class Fields(Protocol):
     rods: dict[int, Rod]  # by body
 
     def __init__(self, clock: Clock, end: int, signals: Signals) -> None:
-        """Keep the arguments; take the motion of the signals and the rods of the row.
+        """Store the arguments, the motion of the signals, and the rods of the row.
 
         `end` is the last tick. The time step, s, is the class's `resolution` in ticks.
         """
@@ -125,7 +125,7 @@ class Fields(Protocol):
         return False
 
     def rod_velocity(self, body: int, x: Floats, ticks: Ints, side: Side) -> Floats:
-        """Velocity in a rod, m/s, less the velocity that the frame gains by gravity."""
+        """Velocity in a rod, m/s, without the velocity g t of the falling frame."""
 
     def rod_strain(self, body: int, x: Floats, ticks: Ints, side: Side) -> Floats:
         """Strain in a rod, positive in tension."""
@@ -133,22 +133,23 @@ class Fields(Protocol):
     def rod_strain_rate(self, body: int, x: Floats, ticks: Ints) -> Floats:
         """Strain rate in a rod, 1/s.
 
-        It is 0 but on a grid, which alone takes viscous material.
+        It is 0 except on a grid: no other method has viscous material.
         """
         return 0.0 * self.rod_strain(body, x, ticks, "right")
 
     def rod_displacement(self, body: int, x: Floats, ticks: Ints) -> Floats:
-        """Displacement in a rod, m, without the way that the frame falls.
+        """Displacement in a rod, m, without the displacement of the falling frame.
 
-        It counts from the unstrained rod whose left end is at its place at t = 0.
+        It is relative to the unstrained rod whose left end is where it is at t = 0.
         """
 
     def averaged(self, body: int, x: Floats, t: Floats) -> MeanState:
         """Mean velocity and strain at points x, m [point], between times t, s.
 
-        They are the growth of the displacement, and of the integral of the strain, over
-        each interval divided by its duration, [point, interval]. The n times must
-        increase, also once they are rounded to ticks; they have n - 1 intervals.
+        For each interval between neighbouring times, they are the changes of the
+        displacement and of the integral of the strain, divided by the duration of the
+        interval: [point, interval]. The n times must increase, also when they are
+        rounded to ticks.
         """
         ticks = self.to_ticks(t)
         displacement = self.displacement(body, x[:, None], t)  # [point, time]
@@ -159,9 +160,10 @@ class Fields(Protocol):
         return MeanState(velocity, strain)
 
     def strain_integral(self, body: int, x: Floats, ticks: Ints) -> Floats:
-        """Integral of the strain over time at points x [point], ticks, [point, tick].
+        """Integral of the strain over time up to each tick, [point, tick], in ticks.
 
-        The tick from which it counts may differ from point to point.
+        x, m, is [point], and `ticks` is [tick]. The tick at which the integral starts
+        may differ from point to point.
         """
 
     def point_history(self, body: int, x: float) -> PassingWaves:
@@ -208,8 +210,8 @@ class Fields(Protocol):
     def to_ticks(self, t: ArrayLike) -> Ints:
         """Nearest ticks of times in s, of their shape; the last tick at most.
 
-        ValueError for times outside the solution. A time may lie beyond the end by
-        `END_RTOL` and a tick, since times are rounded, and gets the last tick.
+        ValueError for times outside the solution. A time beyond the end by no more than
+        round-off, `END_RTOL` and a tick, gets the last tick.
         """
         t = array("t", t, "s")
         end = self.end * self.clock.tick
@@ -289,9 +291,9 @@ class Fields(Protocol):
         return last_segment > 0
 
     def _is_wall(self, body: int) -> bool:
-        """Whether a body keeps its velocity whatever pushes it.
+        """Whether a body keeps its velocity under any force.
 
-        A rod and a mass that can move do not.
+        It is no rod, and no rigid mass that can move.
         """
         return not self._is_rod(body) and body not in self.signals.masses
 
@@ -328,10 +330,10 @@ class Fields(Protocol):
     ) -> Floats:
         """Velocity in the laboratory, m/s; x in m and t in s broadcast.
 
-        Of a rod and a mass it is the velocity in the clock's frame, plus that of the
-        frame at t = 0, plus g t. A wall has its own velocity alone. ValueError for
-        points outside of a rod, x other than 0 in a mass or a wall, and times outside
-        the solution.
+        For a rod and a mass it is the velocity in the clock's frame, plus the velocity
+        of the frame at t = 0, plus g t. For a wall it is the wall's velocity. `side`
+        decides at jumps. ValueError for points outside of a rod, x other than 0 in a
+        mass or a wall, and times outside the solution.
         """
         ticks = self.to_ticks_beside(t, side)
         points = array("x", x, "m")
@@ -353,10 +355,10 @@ class Fields(Protocol):
     def displacement(self, body: int, x: ArrayLike, t: ArrayLike) -> Floats:
         """Displacement in the laboratory, m; x in m and t in s broadcast.
 
-        It counts from t = 0; in a rod from the unstrained rod, see `rod_displacement`.
-        Of a rod and a mass it is the displacement in the clock's frame, plus that of
-        the frame, plus g t^2/2. A wall has that of its own velocity alone. ValueError
-        as for `velocity`.
+        It is relative to the position at t = 0, in a rod to the unstrained rod, see
+        `rod_displacement`. For a rod and a mass it is the displacement in the clock's
+        frame, plus that of the frame, plus g t^2/2. For a wall it is velocity times
+        time. ValueError as for `velocity`.
         """
         clock = self.clock
         ticks = self.to_ticks(t)
@@ -391,8 +393,8 @@ class Fields(Protocol):
     def strain_rate(self, body: int, x: ArrayLike, t: ArrayLike) -> Floats:
         """Strain rate in a rod, 1/s; x in m and t in s broadcast.
 
-        It is 0 but on a grid. ValueError for a body that is no rod, points outside of
-        it, and times outside the solution.
+        It is 0 except on a grid. ValueError for a body that is no rod, points outside
+        of it, and times outside the solution.
         """
         ticks = self.to_ticks(t)
         self._check_rod(body)

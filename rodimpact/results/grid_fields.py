@@ -1,11 +1,11 @@
 """Fields from states of a grid: velocities of nodes and strains of cells at some times.
 
-Between nodes, between the middles of cells, and between two states fields change
-linearly. `grid_strains` says what they are at the ends of segments.
+Fields are interpolated linearly between nodes, between the middles of cells, and
+between two states. `grid_strains` gives the strains at the ends of segments.
 
-Energies are those that the scheme conserves. The kinetic energy is less by the strain
-energy of half a step of motion, which keeps both kinetic and strain energy from being
-negative.
+Energies are those that the scheme conserves: the kinetic energy is less than that of
+the nodes by a term in the square of the time step, see `GridMotion.energies`. Neither
+kinetic nor strain energy is negative.
 """
 
 from collections.abc import Iterator
@@ -48,7 +48,7 @@ class StrainTables(NamedTuple):
 
 
 class Span(NamedTuple):
-    """The part of the mesh that is a rod."""
+    """The nodes and the cells of a rod in the mesh of the row."""
 
     nodes: slice
     cells: slice
@@ -65,7 +65,7 @@ class LoadedEnd(NamedTuple):
 
 
 class SoilAtNodes(NamedTuple):
-    """Soil along a rod, in parts about each node [node of the rod]."""
+    """Soil along a rod, divided among its nodes, [node of the rod]."""
 
     places: Floats  # of the nodes, m from the left end of the rod
     ultimate: Floats  # ultimate resistance, N
@@ -93,51 +93,51 @@ class GridFields(Fields):
         return np.asarray(self.motion.when * STEP_TICKS)
 
     def nearest_energy_ticks(self, ticks: Ints) -> Ints:
-        """Tick of the state that is nearest to each of some ticks."""
+        """For each tick, the tick of the nearest state; of two such, the later one."""
         states = self.state_ticks
-        # The nearest state changes in the middle between two states.
+        # The nearest state changes half way between two states.
         middles = (states[1:] + states[:-1]) / 2
         return states[np.searchsorted(middles, ticks, side="right")]
 
     # Between states and between nodes -------------------------------------------------
 
     def _between_states(self, values: Floats, columns: Any, ticks: Ints) -> Floats:
-        """Interpolate values [state, column] in time: in those columns, at ticks.
+        """Interpolate values [state, column] linearly in time, to ticks.
 
-        Columns, whole numbers or a slice, and ticks broadcast. After the last state its
-        values stay.
+        `columns`, whole numbers or a slice, selects columns; columns and ticks
+        broadcast. The values of the last state are also those of later ticks.
         """
         states = self.state_ticks
         last = len(states) - 1
-        if last == 0:  # nothing moves: there is one state
+        if last == 0:  # nothing moves: state 0 is the only one
             return np.asarray(values[np.zeros_like(ticks), columns])
-        # Index of the state before a tick; at the last one and later there is still one
-        # behind it.
+        # Index of the state at or before a tick. It is at most last - 1, so that there
+        # is a state after it.
         before = np.searchsorted(states, ticks, side="right") - 1
         before = np.clip(before, 0, last - 1)
         after = before + 1
         duration = states[after] - states[before]
-        # The share of the time from the state before to that after; 1 after the last.
+        # Fraction of the time between both states that has passed; 1 after the last one
         share = np.minimum((ticks - states[before]) / duration, 1.0)
         value_before = values[before, columns]
         value_after = values[after, columns]
         return np.asarray(value_before * (1 - share) + value_after * share)
 
     def _interpolated(self, body: int, x: Floats, ticks: Ints, table: Table) -> Floats:
-        """Interpolate a table at places x of a rod, m, and at ticks; the two broadcast.
+        """Interpolate a table linearly in space and time, to x of a rod, m, and ticks.
 
-        Where a field jumps in space it is the value to the right. ValueError for a
-        place outside of the rod, or shapes that do not broadcast.
+        x and ticks broadcast. At a jump in space the value on the right is returned.
+        ValueError if x is outside of the rod, or if the shapes do not broadcast.
         """
         location = self.locate(body, x)  # raises for places outside
         self._broadcast_shape(location.segment, ticks)  # raises for wrong shapes
         places = table.places
-        # Index of the place on the left of x. At a jump a place is there twice; "right"
-        # takes the second one.
+        # Index of the table's place at or left of x. At a jump there are two equal
+        # places; side="right" takes the second one.
         left = np.searchsorted(places, x, side="right") - 1
         left = np.clip(left, 0, len(places) - 2)
         distance = places[left + 1] - places[left]
-        # x may exceed the last place by round-off.
+        # At most 1, since x may exceed the last place by round-off
         share = np.minimum((x - places[left]) / distance, 1.0)
         value_left = self._between_states(table.values, left, ticks)
         value_right = self._between_states(table.values, left + 1, ticks)
@@ -172,8 +172,8 @@ class GridFields(Fields):
     def _span(self, body: int) -> Span:
         """The part of the mesh that is a rod: its nodes and cells, and masses of nodes.
 
-        A mass is that of the halves of the rod's cells beside the node, kg. A body that
-        is bonded to an end of the rod does not count.
+        The mass of a node is that of the adjacent halves of the rod's own cells, kg. A
+        body that is bonded to an end of the rod adds nothing to it.
         """
         # Segments in the row, counted from 1.
         first_segment, last_segment = self.clock.spans[body]
@@ -213,8 +213,8 @@ class GridFields(Fields):
         """Strains of each rod, and their rates, 1/s, by body.
 
         Places are the two ends of each segment and the middles of its cells, so that
-        the border of two segments is there twice. The rates are differences of the
-        velocities of nodes over the cells, not of strains over time.
+        the border of two segments occurs twice. In cells, the rates are differences of
+        node velocities over the width, and not derivatives of the strains over time.
         """
         cells = cell_states(self.motion, self._cell_strain, self._node_velocity)
         strains = {}
@@ -246,11 +246,11 @@ class GridFields(Fields):
     def _displacement_tables(self) -> dict[int, Table]:
         """Displacements of the nodes of each rod in the frame, m, by body.
 
-        They count from the unstrained rod whose left end is at its place at t = 0. With
-        the elongation s of all cells up to a node, a node n of a rod with the left end
-        l has the displacement u(n) = u(l) + s(n) - s(l). That of l is
-        u(l) = u(f) + growth of (s(l) - s(f)) since t = 0, with the first node f of the
-        bonded bodies to which the rod belongs.
+        Displacements are relative to the unstrained rod whose left end is where it is
+        at t = 0. With the elongation s of all cells up to a node, node n has
+        u(n) = u(l) + s(n) - s(l), where l is the left end of the rod. The left end has
+        u(l) = u(f) + growth of (s(l) - s(f)) since t = 0, where f is the first node of
+        the bonded bodies to which the rod belongs.
         """
         motion = self.motion
         # Cell n lies left of node n. The last cell lies right of the last node.
@@ -263,7 +263,7 @@ class GridFields(Fields):
             piece = int(np.searchsorted(motion.starts, nodes.start, side="right")) - 1
             stretch_at_left = stretch[:, nodes.start]
             stretch_in_piece = stretch_at_left - stretch[:, motion.starts[piece]]
-            # The motion has m/s times steps, so that it takes the duration of a step.
+            # The motion holds it in m/s times steps; the factor is s per step.
             u_first = motion.displacement[:, piece] * self.step  # u(f), [state]
             # Entry 0 is the state at t = 0.
             u_left = u_first + stretch_in_piece - stretch_in_piece[0]
@@ -281,7 +281,7 @@ class GridFields(Fields):
         ticks: Ints,
         side: Side,  # noqa: ARG002
     ) -> Floats:
-        """Velocity, m/s: that in the frame plus that of the frame at t = 0.
+        """Velocity, m/s: velocity in the frame plus velocity of the frame at t = 0.
 
         The velocity g t by gravity is left out. x, m, and ticks broadcast. Values have
         no jumps in time, so that both sides are the same.
@@ -298,8 +298,8 @@ class GridFields(Fields):
     ) -> Floats:
         """Strain, positive in tension; x, m, and ticks broadcast.
 
-        It has no jumps in time, so that both sides are the same. Where it jumps from
-        one segment to the next it is that of the right one.
+        The strain has no jumps in time, so that both sides are the same. At the border
+        of two segments the strain of the right one is returned.
         """
         return self._interpolated(body, x, ticks, self._strain_tables.strain[body])
 
@@ -308,7 +308,7 @@ class GridFields(Fields):
         return self._interpolated(body, x, ticks, self._strain_tables.rate[body])
 
     def rod_displacement(self, body: int, x: Floats, ticks: Ints) -> Floats:
-        """Displacement, m: that in the frame plus that of the frame without gravity.
+        """Displacement, m: in the frame, plus that of the frame without gravity.
 
         x, m, and ticks broadcast.
         """
@@ -318,8 +318,8 @@ class GridFields(Fields):
     def strain_integral(self, body: int, x: Floats, ticks: Ints) -> Floats:
         """Integral of the strain from t = 0 to each tick, [point, tick], in ticks.
 
-        The points x, m, are [point], and ticks [tick]. Between states the strain is a
-        straight line.
+        x, m, is [point], and `ticks` is [tick]. Between states the strain changes
+        linearly.
         """
         states = self.state_ticks
         table = self._strain_tables.strain[body]
@@ -333,10 +333,10 @@ class GridFields(Fields):
     def point_history(self, body: int, x: float) -> PassingWaves:
         """The waves A = v - c strain and B = v + c strain at the point x, m.
 
-        They and the velocity v are in m/s, in the frame of the clock. Velocity and
-        strain are interpolated to the point in every state, and the waves are lines
-        between states. Between two segments the strain and the wave speed c are those
-        of the right one.
+        The waves and the velocity v are in m/s, in the frame of the clock. Velocity and
+        strain are interpolated to the point in every state, and the waves change
+        linearly between states. At the border of two segments the strain and the wave
+        speed c are those of the right one.
         """
         segment = int(self.locate(body, x).segment)
         c = self.clock.wave_speed[segment]
@@ -360,11 +360,11 @@ class GridFields(Fields):
     def momentum(self, body: int, t: ArrayLike) -> Floats:
         """Momentum of a rod at times t in s, kg m/s: sum of m v over its nodes.
 
-        The sum in the frame is interpolated between states; to it comes the momentum of
-        the rod's mass at the velocity of the frame, gravity included.
+        The sum in the frame is interpolated between states. The momentum of the rod's
+        mass at the velocity of the frame, gravity included, is added.
         """
         span = self._span(body)
-        # A product of matrices would give other bits for other numbers of states.
+        # Not a matrix product, whose round-off depends on the number of states
         node_momenta = self.motion.velocity[:, span.nodes] * span.mass
         momenta = node_momenta.sum(axis=1)  # [state]
         ticks = self.to_ticks(t)
@@ -376,15 +376,16 @@ class GridFields(Fields):
     def energy(self, body: int, tick: int, velocity: float) -> RodEnergy:
         """Energy of a rod in the state at `tick`, which must be a tick of a state.
 
-        The kinetic energy is relative to `velocity`, m/s in the laboratory. Both are
-        energies that the scheme conserves: in the kinetic one is a term in the step.
+        The kinetic energy is relative to `velocity`, m/s in the laboratory. The sum of
+        kinetic and strain energy is the energy that the scheme conserves, see
+        `GridMotion.energies`.
         """
         clock = self.clock
         span = self._span(body)
         step_number = tick // STEP_TICKS
         state = int(np.searchsorted(self.motion.when, step_number))
         in_frame = self.motion.velocity[state, span.nodes]
-        # Plus the velocity of the frame at t = 0 and g t, less the given velocity.
+        # Velocities in the laboratory, minus the given velocity
         v = in_frame + clock.frame + clock.gravity * tick * clock.tick - velocity
         energies = self.motion.energies(span.nodes, span.mass, state, v, self.step)
         return RodEnergy(*energies)  # kinetic, strain
@@ -396,14 +397,15 @@ class GridFields(Fields):
         """
         step_numbers = ticks // STEP_TICKS
         states = np.searchsorted(self.motion.when, step_numbers)
-        lost = self.motion.lost[states]  # since t = 0, W times steps
+        lost = self.motion.lost[states]  # since t = 0, W times steps; `step` is s
         return np.asarray(lost * self.step)
 
     def mobilised(self, body: int, tick: int) -> Steps | float:
         """Share of the soil's resistance that is mobilised along a rod, at `tick`.
 
-        It is a step about each node, from the middle of one cell to that of the next;
-        the number 0 if no soil resists. Soil must hold the rod.
+        The result is `Steps` with one value around each node, from the middle of one
+        cell to the middle of the next; the number 0 if the soil has no resistance. The
+        rod must have soil along its shaft.
         """
         soil = self.soil_at_nodes(body, tick)
         if not soil.ultimate.any():
@@ -414,11 +416,11 @@ class GridFields(Fields):
         return Steps(soil.mobilised.tolist(), np.concatenate(middles).tolist())
 
     def soil_at_nodes(self, body: int, tick: int) -> SoilAtNodes:
-        """Soil about each node of a rod at `tick`, interpolated between states.
+        """Soil around each node of a rod at `tick`, interpolated between states.
 
         The mobilised share is the static resistance over the ultimate one, from -1 to
-        1. Both are 0 about a node that soil does not hold. ValueError for a rod without
-        soil or drag.
+        1. Share and ultimate resistance are 0 at a node without soil. ValueError for a
+        rod without soil or drag.
         """
         soil = self.motion.soil  # a record for each node in the soil of some rod
         nodes = self._span(body).nodes
@@ -437,7 +439,7 @@ class GridFields(Fields):
         )
 
     def profile(self, body: int, tick: int) -> Profile:
-        """State of a rod at `tick`, between states: velocity and strain of each cell.
+        """Velocity and strain of each cell of a rod at `tick`, interpolated in time.
 
         The velocity of a cell is the mean of those of its two nodes, in the laboratory.
         """
@@ -454,10 +456,11 @@ class GridFields(Fields):
     # Extreme stress -------------------------------------------------------------------
 
     def extreme_stress(self, body: int) -> ExtremeStress:
-        """Largest tension and compression in a rod, in kept states and by end forces.
+        """Largest tension and compression in a rod, with place and time.
 
-        The forces are those on the ends of the rod in all time steps. Where there is no
-        tension, it is `NO_STRESS`; compression likewise.
+        They are the extremes of the stress in the stored states, and of the stress by
+        the forces on the ends of the rod in all time steps. Tension is `NO_STRESS` if
+        there is none; the same holds for compression.
         """
         tensions = []
         compressions = []
@@ -469,9 +472,10 @@ class GridFields(Fields):
         return ExtremeStress(strongest(tensions), strongest(compressions))
 
     def _state_peaks(self, body: int) -> Iterator[StressPeak]:
-        """Highest, then lowest stress E eps + eta d(eps)/dt in a rod at kept states.
+        """Yield the highest, then the lowest stress in a rod over the stored states.
 
-        The highest one may be compression, and the lowest one tension.
+        The stress is E eps + eta d(eps)/dt. The highest one may be a compression, and
+        the lowest one a tension.
         """
         youngs_moduli = []  # of each segment, [point of the strain table]
         viscosities = []
@@ -485,7 +489,7 @@ class GridFields(Fields):
         rate = self._strain_tables.rate[body]
         elastic = np.concatenate(youngs_moduli) * strain.values
         stress = elastic + np.concatenate(viscosities) * rate.values
-        # Stress is [state, point]; an extreme is an index in all of it.
+        # The stress is [state, point]; `argmax` and `argmin` are indices in all of it.
         for extreme in (stress.argmax(), stress.argmin()):
             state, point = np.unravel_index(extreme, stress.shape)
             x = float(strain.places[point])
@@ -493,11 +497,11 @@ class GridFields(Fields):
             yield StressPeak(float(stress[state, point]), x, t)
 
     def _end_peaks(self, body: int) -> Iterator[StressPeak]:
-        """Stress by the largest push and the largest pull on each end of a rod.
+        """Yield the stress by the largest push, then the largest pull, on each end.
 
-        They are those of all time steps, at the middle of the step; the stress is 0 if
-        an end is never pushed, or never pulled. Free ends are left out, and those where
-        lateral inertia takes a share of the force.
+        They are the largest of all time steps, and get the time of the middle of the
+        step. The stress is 0 if an end is never pushed, or never pulled. Free ends, and
+        ends where lateral inertia takes a share of the force, are left out.
         """
         for end in self._loaded_ends(body):
             if end.push is None or end.segment.lateral_inertia is not None:
@@ -506,8 +510,8 @@ class GridFields(Fields):
                 force = sign * end.push  # mean in each step, N
                 middle_of_step = int(np.argmax(force)) + 0.5
                 t = middle_of_step * self.step
-                # The largest force in a step exceeds its mean. A push is compression,
-                # and its stress is negative.
+                # `largest_force` estimates the largest force in a step, which exceeds
+                # the mean. A push is compression: its stress is negative.
                 stress = -sign * largest_force(force) / end.area
                 yield StressPeak(stress, end.x, t)
 

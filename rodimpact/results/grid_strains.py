@@ -1,8 +1,8 @@
 """Strains in the cells of a grid, and at the ends of segments.
 
-Strains at ends follow from momentum. At an end the stress follows from the momentum of
-the node there: it is 0 at a free end, that of the contact force where rods touch, and
-gives the same force on both sides of a step.
+The stress at an end of a segment, and with it the strain, follows from the momentum of
+the node there. So it is 0 at a free end, in balance with the contact force where rods
+touch, and gives the same force on both sides of a step.
 """
 
 from typing import NamedTuple
@@ -20,7 +20,7 @@ class CellStates(NamedTuple):
 
     strain: Floats
     rate: Floats  # rate of the strain, 1/s
-    tension: Floats  # elastic and viscous tension, N; 0 between pieces
+    tension: Floats  # elastic plus viscous, N; 0 between meshes of bonded bodies
 
 
 class SegmentStrain(NamedTuple):
@@ -49,7 +49,7 @@ class SegmentEnd(NamedTuple):
 
     node: int  # node at the end
     cell: int  # cell of the segment beside the node
-    second_cell: int  # cell behind it, or the same one in a segment of one cell
+    second_cell: int  # next cell inward; `cell` again in a segment of one cell
     inward: int  # 1 at the left end, -1 at the right one
     area: float  # area of the segment there, m^2
 
@@ -61,7 +61,7 @@ def moduli(segment: Segment) -> Moduli:
 
 
 def end_areas(segment: Segment) -> EndAreas:
-    """Areas at both ends of a segment, m^2: of a tapered one its outer samples."""
+    """Areas at both ends of a segment, m^2; for a taper its first and last sample."""
     area = segment.area
     if isinstance(area, Samples):
         return EndAreas(float(area.values[0]), float(area.values[-1]))
@@ -77,11 +77,11 @@ def cell_strains(motion: GridMotion, step: float) -> Floats:
 
 
 def cell_states(motion: GridMotion, strain: Floats, velocity: Floats) -> CellStates:
-    """State of all cells, from their strains [state, cell] and node velocities, m/s.
+    """State of all cells, from their strains and the velocities of the nodes, m/s.
 
-    The strain stays as it is. Its rate is the difference of the velocities of both
-    nodes [state, node] over the width. The tension is the elastic force of the motion
-    plus eta A times the rate.
+    `strain` is [state, cell] and is returned as it is; `velocity` is [state, node]. The
+    strain rate is the difference of the velocities of both nodes over the width of the
+    cell. The tension is the elastic force of the motion plus eta A times the rate.
     """
     cells = motion.cells
     rate = np.zeros(motion.force.shape)
@@ -98,17 +98,17 @@ def segment_strain(
 ) -> SegmentStrain:
     """Strain and its rate in a segment, the `number`-th of the row counted from 1.
 
-    The points are its left end, its cells and its right end. At the ends both are
-    extrapolated from cells. Then d eps and d rate are added, so that the stress is that
-    which follows from the momentum of the node: E d eps + eta d rate = the missing
-    stress, with d eps = d rate times the time step, s. Where lateral inertia takes a
-    share of the force nothing is added.
+    The points are its left end, its cells and its right end. At the ends, strain and
+    rate are extrapolated from the cells. Then corrections d eps and d rate are added,
+    so that the stress agrees with the momentum of the node: E d eps + eta d rate =
+    missing stress, with d eps = `step` d rate, `step` the time step, s. Nothing is
+    added where lateral inertia takes a share of the force.
     """
     E, eta = moduli(segment)
     first_node = motion.first[number]
     last_node = motion.last[number]
-    # The cells of the segment are first_node + 1 to last_node. The cells beside them
-    # give their columns, the first and the last one, to the ends.
+    # The cells of the segment are first_node + 1 to last_node. One more column on each
+    # side is copied: they are overwritten below by the values at the ends.
     columns = slice(first_node, last_node + 2)
     strain = cells.strain[:, columns].copy()  # [state, point]
     rate = cells.rate[:, columns].copy()
@@ -152,17 +152,17 @@ def _right_end(motion: GridMotion, number: int, segment: Segment) -> SegmentEnd:
 
 
 def _extrapolated(values: Floats, end: SegmentEnd) -> Floats:
-    """Values of cells [state, cell] extrapolated by half a cell to an end, [state]."""
+    """Values of cells [state, cell], extrapolated by half a cell to an end: [state]."""
     near = values[:, end.cell]
     behind = values[:, end.second_cell]
-    return np.asarray(1.5 * near - 0.5 * behind)
+    return np.asarray(1.5 * near - 0.5 * behind)  # near + (near - behind)/2
 
 
 def _has_lateral_inertia(motion: GridMotion, end: SegmentEnd) -> bool:
     """Whether lateral inertia takes a share of the force on the node of an end."""
     cells = motion.cells
-    # By Rayleigh and Love a cell has lateral inertia, by Mindlin and Herrmann radial
-    # inertia. Cell n lies left of node n.
+    # Cells have lateral inertia in the theory of Rayleigh and Love, and radial inertia
+    # in that of Mindlin and Herrmann. Cells n and n + 1 lie left and right of node n.
     beside_node = (cells.lateral_inertia[end.node], cells.lateral_inertia[end.node + 1])
     return any(beside_node) or bool(cells.radial_inertia[end.cell])
 
@@ -170,10 +170,11 @@ def _has_lateral_inertia(motion: GridMotion, end: SegmentEnd) -> bool:
 def _end_stress(motion: GridMotion, tension: Floats, end: SegmentEnd) -> Floats:
     """Stress at an end, Pa [state], from Newton's law of the half cell there.
 
-    The node of mass m has the acceleration a = (force on the node)/m, and with it the
-    half cell of mass m_cell/2. Its forces are those of the inner part of the cell, of
-    the soil on it, and of what is beyond the end: the tension of the end is
-    tension - inward (a m_cell/2 - force of the soil).
+    The node of mass m, and with it the half cell of mass m_cell/2, has the acceleration
+    a = (force on the node)/m. The forces on the half cell are the tension in the cell,
+    the force of the soil on it, and the tension at the end. So the tension at the end
+    is (tension in the cell) - inward (a m_cell/2 - force of the soil), with inward = 1
+    at a left end and -1 at a right one.
     """
     node = end.node
     # Cell n lies left of node n and pulls it to the left, cell n + 1 to the right.
@@ -199,13 +200,13 @@ class SoilForces(NamedTuple):
 def _soil_on(motion: GridMotion, end: SegmentEnd) -> SoilForces:
     """Forces of the soil at an end of a segment, N, to the right.
 
-    At an end of the rod its half cell bears all of the rod's soil about the node; at a
-    node between two segments each half cell bears half of it. The node bears the soil
-    of both rods where two bonded rods share it.
+    At an end of the rod, its half cell bears all soil of the rod around the node. At a
+    node between two segments, each half cell bears half of the soil. A node that two
+    bonded rods share bears the soil of both.
     """
     soil = motion.soil
-    # The code in `soil` of a rod's end at a node: -1 its left end, 1 its right end; 0
-    # between two segments.
+    # In `soil`, "end_of_rod" is -1 at the left end of a rod, 1 at its right end, and 0
+    # between. `inward` has the opposite signs.
     end_of_rod = -end.inward
     on_node: Floats | float = 0.0
     on_half_cell: Floats | float = 0.0
@@ -215,7 +216,7 @@ def _soil_on(motion: GridMotion, end: SegmentEnd) -> SoilForces:
         on_node = on_node + force
         if soil["end_of_rod"][i] == 0:  # the node lies between two segments
             on_half_cell = force / 2
-        elif soil["end_of_rod"][i] == end_of_rod:  # else it is soil of the other rod
+        elif soil["end_of_rod"][i] == end_of_rod:  # soil of this rod, not of the other
             on_half_cell = force
     return SoilForces(on_node, on_half_cell)
 
@@ -223,9 +224,10 @@ def _soil_on(motion: GridMotion, end: SegmentEnd) -> SoilForces:
 def _push_on(motion: GridMotion, node: int) -> Floats:
     """Force to the right on a node from outside its piece, N [state]; 0 if none acts.
 
-    A piece is the mesh of bonded bodies. Forces are kept as means over steps. At a
-    state between two steps the force is the mean of both, at t = 0 and at the end it is
-    extrapolated by half a step. The mean of a single step holds for all states.
+    A piece is the mesh of bonded bodies. Forces are stored as means over time steps. At
+    a state between two steps the force is the mean of both; at t = 0 and at the end it
+    is extrapolated by half a step. If there is a single step, its mean is the force at
+    all states.
     """
     step_means = motion.pushes.get(node, np.zeros(1))  # 0 where nothing acts
     if len(step_means) == 0:  # nothing moves: there is one state, and no step was made

@@ -18,10 +18,10 @@ from ..methods.signals import Floats, Ints
 def node_velocities(motion: GridMotion) -> Floats:
     """Velocities of all nodes in the frame, m/s [state, node]; means in damped rods.
 
-    A node beside a cell with viscosity has the mean over two steps about each state;
-    the others have their velocities as they are, and so have all nodes if there are
-    fewer than three states. The array of the motion is not changed, and is returned
-    itself where there are no means.
+    Each node beside a cell with viscosity gets the mean over two steps about each
+    state. Other nodes keep their velocities, and so do all nodes if there are fewer
+    than three states. The array of the motion is not changed; it is returned itself if
+    there are no means.
     """
     velocity = motion.velocity
     viscosity = motion.cells.viscous  # [cell]; cell n lies left of node n
@@ -45,12 +45,11 @@ def node_velocities(motion: GridMotion) -> Floats:
 def _means_over_two_steps(velocity: Floats, when: Ints) -> Floats:
     """Means (v[n - 1] + 2 v[n] + v[n + 1])/4 about the states [state, node].
 
-    `when` is the number of the time step of each state. Where the state of the step
-    before or after was not kept, the velocity itself stays, as it does at t = 0. The
-    state at t = 0 counts in no mean. The state after it and the last one have one-sided
-    means, v + (second difference two steps away)/4: of the state after t = 0, if the
-    states of the next three steps were kept, and of the last, if those of the three
-    steps before were.
+    `when` is the number of the time step of each state. A state whose step before or
+    after was not kept keeps its velocity, as does the state at t = 0, which enters no
+    mean. The state after t = 0 and the last state have one-sided means,
+    v + (second difference two steps away)/4, if the states of the three steps after,
+    or before, were kept.
     """
     means = velocity.copy()
     is_next_step = np.diff(when) == 1  # whether neighbouring states are a step apart
@@ -59,8 +58,8 @@ def _means_over_two_steps(velocity: Floats, when: Ints) -> Floats:
     mean += 2 * velocity[1:-1]
     mean /= 4
     np.copyto(means[1:-1], mean, where=has_both_neighbours[:, None])
-    # At t = 0 velocities may jump, so that no mean may count the state 0: state 1 has
-    # none over both its sides. The states 0 to 4 must be consecutive.
+    # At t = 0 velocities may jump, so state 0 must enter no mean: state 1 has a mean
+    # from one side, of the states 1 to 4. States 0 to 4 must be consecutive steps.
     if when[0] == 0 and len(when) > 1 and is_next_step[0]:
         means[1] = velocity[1]
         if len(when) > 4 and is_next_step[:4].all():
@@ -71,11 +70,11 @@ def _means_over_two_steps(velocity: Floats, when: Ints) -> Floats:
 
 
 def _one_sided_mean(velocity: Floats) -> Floats:
-    """Mean at the first of four states in a row, from one side.
+    """Mean at the first of four states, [state, node], from the states on one side.
 
-    It has the same error as the mean from both sides. The mean is v + (second
-    difference about it)/4. Here that is taken two steps later, where motion that
-    changes its sign from step to step has the same sign again.
+    The mean from both sides is v + (second difference at the state)/4. Here the second
+    difference is taken two steps later, where motion that changes its sign from step to
+    step has the same sign again. Both means have the same error.
     """
     first, second, third, fourth = velocity
     return np.asarray(first + (second - 2 * third + fourth) / 4)

@@ -161,8 +161,8 @@ def dataset(
 
     Variables and coordinates are (dimensions, values) by name. The Dataset has the
     given `attributes` and two more: ``version``, that of rodimpact, and ``case``, the
-    text of the case file. Of a family it is ``case_of_first_member``. The case is left
-    out if it holds a law that is a function, which no file keeps.
+    text of the case file. For a family the latter is ``case_of_first_member``. The case
+    is left out if a contact law is a function, which no file can hold.
     """
     xarray = optional("xarray", "xarray")
     attributes["version"] = __version__

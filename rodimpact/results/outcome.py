@@ -1,6 +1,6 @@
 """What a collision did: velocities before and after, impulses, restitution, energies.
 
-Bodies joined together move, for an outcome, with their common velocity.
+In an outcome, bodies that are joined have one common velocity.
 """
 
 import math
@@ -19,7 +19,7 @@ from ..storage.extras import optional
 from .notebook import as_table
 
 MAX_SILENT_RESIDUAL = 1e-6
-"""Largest residual of momentum or energy of which `status` does not warn."""
+"""Largest residual of momentum or energy without a warning in `status`."""
 
 Number = TypeVar("Number")
 

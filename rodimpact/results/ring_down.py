@@ -1,10 +1,10 @@
 """Decay of the vibration that a collision leaves, in damped material.
 
-The energy of a row falls from that after the impact to that of the rigid motion of its
-bodies, whose momentum stays. A mode of angular frequency omega in a rod of one
+After the impact the energy of a row falls to the energy of the rigid motion of its
+bodies, whose momentum is conserved. A mode of angular frequency omega in a rod of one
 Kelvin-Voigt material decays as exp(-eta omega^2 t/(2E)), and its energy twice as fast
 (A. D. Nashif, D. I. G. Jones and J. P. Henderson, Vibration Damping, Wiley 1985, ch.
-3); so high modes go first and the lowest one of the longest lasting rod remains.
+3). So high modes decay first, and the lowest mode of one of the rods decays last.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from ..model.frozen import invalid_argument
 from .energy import BondedGroups, bonded_groups
 from .fields import Fields
 
-DECAY_SAMPLES = 400  # intervals of time at whose ends the vibration is read
+DECAY_SAMPLES = 400  # number of intervals between the times of the vibration energies
 MIN_DECAY_SAMPLES = 50  # with fewer states on a grid no decay is read
 UNFITTED_SHARE = 1 - 1 / 3
 """Share of the record before its last third: this last third is fitted."""
@@ -84,7 +84,7 @@ class RingDown:
 
 
 def ring_down(fields: Fields, start: float, end: float) -> RingDown:
-    """How vibration decays from `start` to `end`, s; see `Solution.ring_down`.
+    """Decay of the vibration from time `start` to `end`, s; see `Solution.ring_down`.
 
     Energies are taken at `DECAY_SAMPLES` + 1 equally spaced times, or at the states of
     a grid nearest to them. The decay time is fitted to them. It is compared with the
@@ -135,8 +135,8 @@ class RodMode(NamedTuple):
 def _slowest_mode(fields: Fields) -> RodMode:
     """The mode whose decay time is the longest, of all rods, each free by itself.
 
-    The decay time is inf without damping. There must be a rod; of rods with equal decay
-    times it is the last one.
+    The decay time is inf without damping. There must be a rod. Among rods with equal
+    decay times it is the mode of the last one.
     """
     modes = []
     for body, rod in fields.rods.items():

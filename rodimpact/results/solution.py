@@ -44,10 +44,10 @@ from .state_profiles import state_profiles
 from .wave_fields import WaveFields
 
 _ALLOW_UNDERFLOW = np.errstate(under="ignore")
-"""Squares of round-off, of slow motion and of strains ahead of waves may vanish."""
+"""Ignores underflow: squares of very small velocities and strains may become 0."""
 
 PROFILES_IN_TIME = (Steps, Samples, Polynomials)
-"""What the value of an end is where it varies in time."""
+"""Types of the value of an end that varies in time."""
 FIELDS_OF_ALL_BODIES = ("velocity", "displacement", "position")
 FIELDS_OF_RODS = ("strain", "stress", "axial_force")
 
@@ -117,10 +117,10 @@ class Solution(Shown):
     """
 
     def __init__(self, run: Run, options: Options) -> None:
-        """Keep the arguments, and copy what the run says of itself.
+        """Store the arguments, and copy the times and the status of the run.
 
-        Fields, contacts and outcome are found on demand. A run without `until` that is
-        proved final counts as stopped by "final", whatever stopped it.
+        Fields, contacts and outcome are computed on demand. A run without `until` that
+        is proved final counts as stopped by "final", whatever stopped it.
         """
         self.options = options
         self.run = run
@@ -128,7 +128,8 @@ class Solution(Shown):
         self.method = run.method
         self.until = run.until
         self.stopped_by = run.stopped_by
-        # The cap on events may end the round trip after the proof, when all is known.
+        # The limit on events may have ended the round trip that follows the proof. The
+        # outcome is known by then.
         if run.final and run.until is None:
             self.stopped_by = "final"
         self.events = run.events
@@ -143,7 +144,8 @@ class Solution(Shown):
     def fields(self) -> Fields:
         """State of every point of the row at every time.
 
-        `WaveFields` if the method has found waves, `GridFields` if states on a grid.
+        `WaveFields` if the method computed waves, `GridFields` if it computed states on
+        a grid.
         """
         signals = self.run.signals
         if isinstance(signals.motion, Waves):
@@ -227,8 +229,8 @@ class Solution(Shown):
         stress = strain * self._property_along(body, x, "youngs_modulus")
         viscosity = self._property_along(body, x, "viscosity")
         if viscosity.any():
-            # Viscous rods run on a grid alone, whose rates have no jumps in time and so
-            # no side.
+            # Only grids have viscous rods. Their strain rates have no jumps in time, so
+            # that no side is needed.
             stress = stress + self.fields.strain_rate(body, x, t) * viscosity
         return stress
 
@@ -358,7 +360,7 @@ class Solution(Shown):
         displacement. ValueError for x and t outside the solution.
         """
         left_end = self.fields.positions[self._index(body)]
-        distance: float | Floats = 0.0  # x of a mass or a wall can be 0 alone
+        distance: float | Floats = 0.0  # the only x of a mass or a wall
         if isinstance(self.system.bodies[body], Rod):
             distance = array("x", x, "m")
         return left_end + distance + self.displacement(body, x, t)
@@ -404,7 +406,7 @@ class Solution(Shown):
         index = self._index(body)
         if not isinstance(self.system.bodies[index], Rod):
             return self.velocity(body, 0.0, t)
-        # The mass of the rod on the clock, as the momentum is.
+        # The mass by the rounded transit time, with which momentum is computed too
         mass = self.fields.clock.mass(index)
         return self.fields.momentum(index, t) / mass
 
@@ -412,18 +414,18 @@ class Solution(Shown):
     def gauge(self, body: int, x: float) -> Gauge:
         """Record of a strain gauge at x, m from the left end of a body.
 
-        The entries are strain, velocity and the strains of both waves just after a
-        time. Between these times both waves at x are nearly straight lines. The strains
-        of the waves are relative to the velocity at t = 0. ValueError for a body that
-        is not a rod, and for a position outside the rod.
+        Each entry has a time, and the strain, the velocity and the strains of both
+        waves just after it. Between these times both waves at x are nearly straight
+        lines. The strains of the waves are relative to the velocity at t = 0.
+        ValueError for a body that is not a rod, and for a position outside the rod.
         """
         x = scalar("x", x, "m", sign=UNCHECKED)
         # With A = v - c eps, the wave running right, and B = v + c eps, the one running
         # left: eps = (B - A)/(2 c) and v = (A + B)/2, in the clock's frame.
         waves = self.fields.point_history(self._index(body), x)
         clock = self.fields.clock
-        # Straight lines between the marks of a signal follow it closely. The marks of
-        # both waves are merged, in order.
+        # Marks are ticks between which straight lines follow a signal closely. The
+        # marks of both waves are merged, in order.
         ticks = each_once(waves.rightward.marks, waves.leftward.marks)
         times = ticks * clock.tick
         rightward = waves.rightward.at(ticks)
@@ -517,8 +519,8 @@ class Solution(Shown):
     def _inside(self, x: Array) -> list[Any]:
         """Whether points x lie in each of the bodies, [body][point].
 
-        A point is in m from the left end of each body in turn. Only 0 lies in a wall or
-        a mass. InvalidModel for points that lie in no body.
+        Points are in m, and measured from the left end of each body in turn. Only 0
+        lies in a wall or a mass. InvalidModel if a point lies in no body.
         """
         longest = 0.0
         inside = []
@@ -568,12 +570,12 @@ class Solution(Shown):
         solution.
         """
         ticks = self.fields.nearest_energy_ticks(self.fields.to_ticks(t))
-        # A ledger counts from its first tick, which must be that of t = 0.
+        # A ledger counts from its first tick, so the tick 0 is put before the others.
         from_zero = np.concatenate(([0], ticks.ravel()))
         states = bonded_groups(self.fields, from_zero)
         from_start = ledger(self.fields, self.contacts, states)
         entries = {}
-        # Each entry of the ledger is [time]; the time that was added comes first.
+        # Each entry of the ledger is [time]. The added tick 0 comes first: drop it.
         for name, energies in vars(from_start).items():
             entries[name] = energies[1:].reshape(ticks.shape)
         return EnergyLedger(**entries)
@@ -614,7 +616,7 @@ class Solution(Shown):
         has_rod = len(self.fields.rods) > 0
         demand(has_rod, "ring_down", "the row has no rod that could vibrate")
         start = self.t_final
-        lies_in_solution = start < self.t_end  # not if it is inf or nan
+        lies_in_solution = start < self.t_end  # False if `start` is inf or nan
         if not lies_in_solution:
             start = self.t_proved
         return ring_down(self.fields, start, self.t_end)
@@ -733,7 +735,7 @@ class Solution(Shown):
                 value = getattr(segment.material, name)
             if isinstance(value, Samples):
                 value = value.values
-            # A number is a single sample, which `interp` gives at all points.
+            # A number becomes one sample: `interp` returns its value at all points.
             samples = np.atleast_1d(value)
             places = np.linspace(0.0, float(segment.length), len(samples))
             here = location.segment == number
@@ -747,10 +749,9 @@ def check_solution(value: Any) -> None:
 
 
 def check_has_rod(value: Any) -> None:
-    """Raise InvalidModel unless a value is a `Solution` with a rod.
+    """Raise InvalidModel, a ValueError, unless a value is a `Solution` with a rod.
 
-    InvalidModel is a ValueError. The check is that of pictures of waves, as its message
-    tells.
+    Pictures of waves call it; its message speaks of them.
     """
     check_solution(value)
     if "rod" not in value.system.kinds:

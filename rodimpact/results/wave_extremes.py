@@ -25,16 +25,17 @@ from .extreme_stress import EQUAL_STRESS_RTOL
 from .segment_waves import SegmentWaves
 
 SLIVER_TICKS = 64
-"""Duration, ticks, up to which pieces come from rounded transit times.
+"""Longest duration, ticks, of pieces that only come from rounded transit times.
 
-Such pieces do not count.
+Such pieces are left out.
 """
 INSIDE_TICKS = 16
-"""Distance from the end of a piece at which its last value is taken to be."""
+"""Distance from the end of a piece of the tick to which its last value is assigned."""
 NEGLIGIBLE_COEFFICIENT = 2.0**-33
-"""Bounds the coefficients of a derivative, over the largest one, that are left out.
+"""Last coefficients of a derivative up to this fraction of the largest are left out.
 
-Smaller ones do not move its zeros by more than round-off moves the value there.
+Without them the zeros of the derivative move so little that the value there changes by
+no more than round-off.
 """
 
 Mask = NDArray[np.bool_]
@@ -133,8 +134,8 @@ def extreme_differences(waves: SegmentWaves, end: int) -> ExtremeMeetings:
 def _largest_difference(domain: Domain, sides: list[Side]) -> Meeting | None:
     """The earliest meeting with the largest d; None if d is positive nowhere.
 
-    That is the best of the meetings on the four sides of the domain and inside. Those
-    that differ by no more than round-off, `EQUAL_STRESS_RTOL`, are equal.
+    Meetings on the four sides of the domain and inside it are compared. Values of d
+    that differ by no more than round-off, `EQUAL_STRESS_RTOL`, count as equal.
     """
     meetings = []
     largest = 0.0  # m/s; a negative d does not count
@@ -154,7 +155,7 @@ def _largest_difference(domain: Domain, sides: list[Side]) -> Meeting | None:
     for meeting in meetings:
         if meeting.difference >= largest * (1 - EQUAL_STRESS_RTOL):
             equal.append(meeting)
-    # A meeting has the tick (p + q + T)/2.
+    # The tick of a meeting is (p + q + T)/2, so the earliest has the least p + q.
     return min(equal, key=lambda meeting: meeting.p + meeting.q)
 
 
@@ -164,9 +165,9 @@ def _largest_difference(domain: Domain, sides: list[Side]) -> Meeting | None:
 def _sides(domain: Domain) -> list[Side]:
     """The four sides: both ends of the segment, and the states at t = 0 and at the end.
 
-    Each has d = B(q) - A(p) over a time of its own. At the left end this is t, with
-    p = t and q = t - T; at the right end p = t - T and q = t. In a state at the tick t
-    it is the tick p at which A left, with q = 2 t - T - p.
+    On each side d = B(q) - A(p) is a function of one time. At the left end this is the
+    tick t, with p = t and q = t - T; at the right end p = t - T and q = t. For the
+    state at the tick t it is the tick p at which A left, with q = 2 t - T - p.
     """
     A = domain.A
     B = domain.B
@@ -180,8 +181,8 @@ def _sides(domain: Domain) -> list[Side]:
         p_plus_q = 2 * t - T
         # B(p_plus_q - p) - A(p)
         state = _between(B.time_reversed(p_plus_q) - A, t - T, t)
-        # Where a piece of the state begins, B may have a break. So the meeting is taken
-        # a little later in p, and as much earlier in q.
+        # B may have a break where a piece of the state begins. So p is shifted a little
+        # to later ticks, and q by as much to earlier ones.
         q_start = p_plus_q - INSIDE_TICKS
         side = Side(state, p_rate=1, p_start=INSIDE_TICKS, q_rate=-1, q_start=q_start)
         sides.append(side)
@@ -191,22 +192,22 @@ def _sides(domain: Domain) -> list[Side]:
 def _largest_on_side(side: Side) -> Meeting | None:
     """The first meeting with the largest d on a side; None if all pieces are slivers.
 
-    d is read at the edges of its pieces, and at turning points. It may be negative. Of
-    values that are equal but for round-off the one with the earliest time is taken.
+    d is evaluated at the edges of its pieces and at turning points. The largest d may
+    be negative. Among values that are equal up to round-off the earliest is taken.
     """
     signal = side.difference
     is_long = _exceeds_sliver(signal)
     edges = _edges(signal, is_long)
     if len(edges.values) == 0:
         return None
-    # Turning points are looked for in pieces alone that may exceed the largest edge.
+    # Only pieces that may exceed the largest edge are searched for turning points.
     largest_at_edges = float(edges.values.max())
     may_exceed = _bounds(signal).upper > largest_at_edges
     turning = _turning_points(signal, is_long & may_exceed)
     samples = _joined(edges, turning)
     largest = float(samples.values.max())
     least_equal = largest - abs(largest) * EQUAL_STRESS_RTOL
-    equal = np.flatnonzero(samples.values >= least_equal)  # but for round-off
+    equal = np.flatnonzero(samples.values >= least_equal)  # up to round-off
     first = equal[np.argmin(samples.ticks[equal])]
     time = int(samples.ticks[first])
     return Meeting(
@@ -222,11 +223,11 @@ def _largest_on_side(side: Side) -> Meeting | None:
 def _largest_inside(domain: Domain, least: float) -> Meeting | None:
     """Earliest meeting with the largest d, at breaks and turning points of both waves.
 
-    None if d is nowhere as large as `least`, m/s. Of values that are equal but for
+    None if d is nowhere as large as `least`, m/s. Among values that are equal up to
     round-off the earliest is taken.
     """
-    # d = B(q) - A(p) is large where A is low and B is high. Pieces are left out that do
-    # not make d as large as `least` even with the best piece of the other wave.
+    # d = B(q) - A(p) is large where A is low and B is high. A piece is left out if even
+    # the best piece of the other wave does not make d as large as `least`.
     lower_A = _bounds(domain.A).lower
     upper_B = _bounds(domain.B).upper
     low = _candidates(domain.A, lower_A <= upper_B.max() - least)
@@ -248,10 +249,10 @@ def _largest_inside(domain: Domain, least: float) -> Meeting | None:
 
 
 def _partners(domain: Domain, p: Ints, q: Ints) -> Ranges:
-    """For each tick p the range of indices in q, in order, with which it meets.
+    """For each tick p the range of indices of the ticks q that meet it in the domain.
 
-    These meetings lie in the domain: abs(q - p) <= T and 0 <= p + q + T < 2 end. The
-    range is empty (first = stop, or first > stop) if there is none.
+    The ticks q are in order. In the domain abs(q - p) <= T and 0 <= p + q + T < 2 end.
+    A range without any tick has first >= stop.
     """
     T = domain.T
     # p + q + T is twice the tick of a meeting: 0 at t = 0, and less than 2 end, since
@@ -267,7 +268,8 @@ def _range_maxima(values: Floats, ranges: Ranges, chosen: Ints) -> Floats:
     """Maximum of the values in each of the chosen ranges, none of which is empty."""
     bounds = np.stack((ranges.first[chosen], ranges.stop[chosen]), axis=1)
     padded = np.append(values, -np.inf)  # a range may stop after the last value
-    # `reduceat` gives the maximum of each range, and of what lies between two of them.
+    # `reduceat` gives in turn the maximum of a range, and that of the values between it
+    # and the next range. [::2] keeps the ranges alone.
     return np.asarray(np.maximum.reduceat(padded, bounds.ravel())[::2])
 
 
@@ -284,8 +286,8 @@ def _earliest(
     earliest: Meeting | None = None
     for k in chosen:
         p = int(low.ticks[k])
-        # What leaves at p meets only what left at q >= p - T, so p + q is 2 p - T at
-        # least. For later samples, with a larger p, it is no less.
+        # A part of A that left at p only meets parts of B with q >= p - T, so that
+        # p + q >= 2 p - T. Samples are in order of p: later ones have a larger bound.
         least_p_plus_q = 2 * p - T
         if earliest is not None and least_p_plus_q >= earliest.p + earliest.q:
             break
@@ -370,15 +372,15 @@ def _edges(signal: Pieces, chosen: Mask) -> Samples:
 def _turning_points(signal: Pieces, chosen: Mask) -> Samples:
     """Values inside the chosen pieces where the derivative is 0; none in straight ones.
 
-    The variable y of a piece runs from -1 at its start to 1 at its stop. A zero at y is
-    given the tick (y + 1)/2 of the way through the piece without its first and its last
-    `INSIDE_TICKS`.
+    The variable y of a piece runs from -1 at its start to 1 at its stop. The tick of a
+    zero at y is (y + 1)/2 of the way through the piece, shortened by `INSIDE_TICKS` at
+    both ends.
     """
     # Pieces of fewer than three coefficients are straight.
     if signal.coefficient_count < 3 or not chosen.any():
         return Samples(np.zeros(0, np.int64), np.zeros(0))
     slopes = chebyshev.chebder(signal.coefficients, axis=1)
-    # A slope keeps the sign of its constant term where the others cannot outweigh it.
+    # A slope changes its sign only if its other terms can outweigh the constant one.
     swing = _sum_of_sizes(slopes[:, 1:])
     may_change_sign = (swing > 0) & (swing >= np.abs(slopes[:, 0]))
     zeros = _zeros(slopes, np.flatnonzero(chosen & may_change_sign))
@@ -394,8 +396,8 @@ def _zeros(series: Floats, chosen: Ints) -> Zeros:
     """Zeros between -1 and 1 of the chosen Chebyshev series [series, coefficient].
 
     `chosen` are indices of series. Zeros are eigenvalues, found together for all series
-    of one degree; a constant has none. The real parts of complex zeros are among them,
-    which does no harm: each is a place where a value is read.
+    of one degree; a constant has none. Real parts of complex zeros are included, which
+    does no harm: the signal is only evaluated there.
     """
     degrees = _degrees(series)
     owners: list[Ints] = [np.zeros(0, np.int64)]  # series of each zero
@@ -445,7 +447,7 @@ def _colleague_matrices(series: Floats) -> Floats:
     for k in range(degree - 1):
         matrices[:, k, k + 1] = 0.5
         matrices[:, k + 1, k] = 0.5
-    # Row 0 is y T_0 = T_1, which has no half.
+    # Row 0 is y T_0 = T_1, without the factor 1/2 of the other rows.
     share_of_last = 0.5  # the factor of T_n in the last row
     if degree > 1:
         matrices[:, 0, 1] = 1.0

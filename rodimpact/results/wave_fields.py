@@ -89,8 +89,9 @@ class WaveFields(Fields):
     def rod_velocity(self, body: int, x: Floats, ticks: Ints, side: Side) -> Floats:
         """Velocity in a rod, m/s: half the sum of its two waves plus the frame's own.
 
-        The frame's is that at t = 0: g t by gravity is left out. x, m, and ticks
-        broadcast, and the result has their shape. `side` decides at jumps.
+        The velocity of the frame is that at t = 0; its gain g t by gravity is left out.
+        x, m, and ticks broadcast, and the result has their shape. `side` decides at
+        jumps.
         """
         frame_velocity = self.clock.frame
 
@@ -98,8 +99,8 @@ class WaveFields(Fields):
             """v where waves meet that left the left and right end at the ticks p, q."""
             return waves.velocity(p, q, side) + frame_velocity
 
-        # `velocity` has the side already. It is given once more since values just after
-        # fronts ("right") can be found in a faster way.
+        # `velocity` already takes the values of this side. `side` is passed as well
+        # because a faster way exists for values just after fronts ("right").
         return self._one_sided_values(body, x, ticks, side, velocity)
 
     def rod_strain(self, body: int, x: Floats, ticks: Ints, side: Side) -> Floats:
@@ -115,11 +116,11 @@ class WaveFields(Fields):
         return self._one_sided_values(body, x, ticks, side, strain)
 
     def rod_displacement(self, body: int, x: Floats, ticks: Ints) -> Floats:
-        """Displacement, m, without the way g t^2/2 that the frame falls.
+        """Displacement, m, without the displacement g t^2/2 of the falling frame.
 
         x, m, and ticks broadcast. It is the displacement of the segment's left end at
-        t = 0 plus that since then at the point, the frame's included
-        (`SegmentWaves.displacement`).
+        t = 0, plus `SegmentWaves.displacement` at the point, which includes the motion
+        of the frame at its initial velocity.
         """
         frame_velocity = self.clock.frame
         tick = self.clock.tick
@@ -132,9 +133,9 @@ class WaveFields(Fields):
         return self._values(body, x, ticks, displacement)
 
     def strain_integral(self, body: int, x: Floats, ticks: Ints) -> Floats:
-        """Integral of the strain at points x, m, up to each tick, [point, tick].
+        """Integral of the strain over time up to each tick, [point, tick], in ticks.
 
-        Its unit is the tick. It counts from another tick at each point.
+        x, m, is [point]. The integral starts at a different tick at each point.
         """
         return self._values(body, x[:, None], ticks, SegmentWaves.strain_integral)
 
@@ -174,11 +175,11 @@ class WaveFields(Fields):
         """Values of a field by its formula, just after ("right") or before `ticks`.
 
         x in m and ticks broadcast. The caller's `formula` must take the values of this
-        side; `side` only decides here whether a faster way is possible. It is taken
-        just after `ticks` if waves are constant between fronts, x is a column and the
-        ticks are a row that never falls: it computes one value for each front.
+        side; here `side` only decides whether the faster way is possible, which
+        computes one value for each front. It is, for the side "right", if waves are
+        constant between fronts, x is a column, and `ticks` is a row that never falls.
         """
-        # Then a value just after a front holds for all ticks up to the next front.
+        # The value just after a front holds for all ticks before the next front.
         holds_from_fronts = side == "right" and self.constant_between_fronts
         if holds_from_fronts and _is_grid(x, ticks):
             return self._grid_values(body, x, ticks, formula)
@@ -214,9 +215,10 @@ class WaveFields(Fields):
         points = self._points(body, x)
         values = []
         repeats = []
-        # Neighbouring points of one segment go together, from `start` to `stop`: these
-        # are indices at which the segment changes. Segments are counted from 1, so it
-        # changes before the first and after the last point, too, from and to 0.
+        # Neighbouring points of one segment are treated together. Their indices run
+        # from `start` to `stop` - 1, as the segment changes at `start` and at `stop`.
+        # Segments are counted from 1, so the 0 before the first point and after the
+        # last one makes changes there, too.
         changes = np.diff(points.segment, axis=0, prepend=0, append=0)
         for start, stop in pairwise(np.flatnonzero(changes)):
             waves = self.waves(int(points.segment[start, 0]))
@@ -230,9 +232,9 @@ class WaveFields(Fields):
     def point_history(self, body: int, x: float) -> PassingWaves:
         """The waves that pass the point x, m, from t = 0 to the end of the run.
 
-        They are in m/s, in the frame of the clock. The rightward wave arrives later
-        than it left by the time of travel from the left end of the segment, the
-        leftward one by that from the right end. Both are cut at the breaks of either.
+        They are in m/s, in the frame of the clock. Each wave is delayed by its time of
+        travel from the end of the segment that it left: the left end for the rightward
+        wave, the right end for the leftward one. Both are cut at the breaks of either.
         ValueError as for `locate`.
         """
         point = self._points(body, x)
@@ -240,7 +242,7 @@ class WaveFields(Fields):
         waves = self.waves(int(point.segment))
         rightward = waves.rightward.delayed(offset)
         leftward = waves.leftward.delayed(waves.transit - offset)
-        # At a break of a wave the next of its polynomials begins.
+        # A break of a wave is a tick at which its next polynomial begins.
         breaks = each_once([0], rightward.breaks, leftward.breaks)
         breaks = breaks[(breaks >= 0) & (breaks <= self.end)]
         rightward = rightward.cut(breaks, self.end)
@@ -276,8 +278,9 @@ class WaveFields(Fields):
         """Kinetic and strain energy of a rod at `tick`, J.
 
         The kinetic energy is relative to `velocity`, m/s in the laboratory, which is
-        taken from both waves first. Energies are sums over the segments of Z/8 times
-        the integrals of (A + B)^2 and of (A - B)^2 over the time of travel.
+        subtracted from both waves A and B. The kinetic and the strain energy are sums
+        over the segments of Z/8 times the integrals of (A + B)^2 and of (A - B)^2 over
+        the time of travel.
         """
         clock = self.clock
         # The same velocity in the frame, to which the waves refer
@@ -375,7 +378,7 @@ class WaveFields(Fields):
 def _is_grid(x: Floats, ticks: Ints) -> bool:
     """Whether points x are a column [point, 1] and ticks a row [tick] that never falls.
 
-    Then all points are wanted at all ticks. There must be at least one point.
+    Each point is then combined with each tick. False if there is no point.
     """
     is_column = np.ndim(x) == 2 and np.size(x) > 0 and np.shape(x)[1] == 1
     if not is_column or ticks.ndim != 1:
@@ -388,9 +391,9 @@ def _constant_runs(
 ) -> ConstantRuns:
     """A field of a segment that is constant between fronts, at increasing ticks.
 
-    `offsets` are the points [point, 1], ticks of travel from the left end. Each value
-    is found once, at the front from which it holds; `repeats` tells for how many of the
-    ticks. Both are [point, front + 1], in order of time.
+    `offsets` are the points [point, 1], as ticks of travel from the left end. Each
+    value is computed once, at the front from which it holds; `repeats` is the number of
+    the given ticks for which it holds. Both are [point, front + 1], in order of time.
     """
     T = waves.transit
     # Ticks at which the fronts of A and B pass each point, [point, front]
@@ -403,7 +406,7 @@ def _constant_runs(
     # A value holds from its own first tick to that of the next value. The value before
     # all fronts begins at the index 0.
     repeats = np.diff(first_held, prepend=0, append=len(ticks))
-    # That value is found at a tick long before all fronts.
+    # The value before all fronts is computed at a tick long before them.
     starts = np.sort(np.append(fronts, offsets + BEFORE_ALL_FRONTS, axis=1))
     p = starts - offsets
     q = starts + offsets - T
