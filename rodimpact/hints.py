@@ -247,7 +247,7 @@ def _beginnings(words: set[str]) -> set[str]:
 
 
 def _synonyms(word: str) -> tuple[str, ...]:
-    """Other names of what a word means, with its capitals or without; () if none."""
+    """Synonyms of a word, with its capitals or in small letters; () if none."""
     return SYNONYMS.get(word, SYNONYMS.get(word.lower(), ()))
 
 

@@ -1,6 +1,6 @@
 """Progress of long calls: a bar of tqdm, or calls of the user's own function.
 
-A call that may take long says how far it is::
+A call that may take long reports its progress::
 
     with Progress(progress, "sweep", "collisions") as report:
         report(done, total)
@@ -151,8 +151,8 @@ class Progress:
     def _open(self, total: int | None) -> None:
         """Make a progress bar, and show warnings above it from now on.
 
-        Its time counts from the beginning of the call. A `total` of None means that the
-        total is unknown. The bar is drawn by the first update.
+        Its time is measured from the beginning of the call. `total` is None if it is
+        unknown. The bar is drawn by the first update.
         """
         kind_of_bar = bar_class()
         self._bar = kind_of_bar(

@@ -547,7 +547,7 @@ def _power(symbol: str, power: float) -> str:
 def in_base_units(powers: dict[str, float]) -> dict[str, float]:
     """Powers of m, kg, s and V of a unit, from those of any symbols of the SI.
 
-    Symbols that cancel are left out; unknown ones stay as they are.
+    Symbols that cancel are left out; unknown symbols are kept.
 
     Examples
     --------

@@ -372,8 +372,8 @@ class Segment(FrozenDataclass):
 
         It is called if one of the two is given. A theory needs a known name, a Poisson
         ratio, and a diameter or a polar moment. A polar moment needs a theory; it may
-        not be a number along a taper or beside a diameter. A diameter says what
-        "circular" says, so with it the polar moment is set to None.
+        not be a number along a taper or beside a diameter. A diameter implies
+        "circular", so with a diameter the polar moment is set to None.
         """
         theory = self.lateral_inertia
         moment = self.polar_moment
@@ -817,11 +817,11 @@ def _checked_shaft(
 
 
 def _segments(segments: Any, shape: dict[str, Any]) -> tuple[Segment, ...]:
-    """Segments of a rod: those given, checked, or else those that its shape makes.
+    """Segments of a rod: the given ones, or else segments made from its shape.
 
     `shape` holds the arguments of `Segment` that `Rod` was given, None for the others.
-    It makes one segment, or one for each value of an area that is `Steps`. InvalidModel
-    if both or neither are given, or with the mistakes in them.
+    They make one segment, or one for each value of an area that is `Steps`.
+    InvalidModel if both or neither are given, or if there are mistakes in them.
     """
     if segments is not None:
         return _checked_segments(segments, shape)  # refuses a shape beside them
@@ -831,11 +831,11 @@ def _segments(segments: Any, shape: dict[str, Any]) -> tuple[Segment, ...]:
 
 
 def _checked_segments(segments: Any, shape: dict[str, Any]) -> tuple[Segment, ...]:
-    """Segments as given, as a tuple.
+    """The given segments as a tuple, after a check.
 
     InvalidModel if they are no list or tuple, if there is none, or if an item is no
-    Segment. `shape` holds the other arguments of `Rod` that make a segment: one that is
-    not None is a mistake, too.
+    `Segment`. `shape` holds the arguments of `Rod` that would make a segment: it is
+    also a mistake if one of them is not None.
     """
     if any(value is not None for value in shape.values()):
         message = (
@@ -856,9 +856,9 @@ def _checked_segments(segments: Any, shape: dict[str, Any]) -> tuple[Segment, ..
 def _segments_between_jumps(shape: dict[str, Any]) -> tuple[Segment, ...]:
     """Segments between the jumps of an area that is `Steps`.
 
-    `shape` holds the arguments of `Segment`: length and area of the whole rod, and what
-    all segments have in common. InvalidModel with the mistakes of length and area; if
-    there are none, with those of all segments.
+    `shape` holds the arguments of `Segment`: length and area of the whole rod, and the
+    numbers that all segments share. InvalidModel names the mistakes of length and area,
+    or, if there are none, those of all segments.
     """
     area = shape["area"]
     problems: Problems = []
@@ -866,12 +866,12 @@ def _segments_between_jumps(shape: dict[str, Any]) -> tuple[Segment, ...]:
     known_length = None  # unknown after a mistake
     if not problems:
         known_length = L
-    # The steps themselves stay as they are: this only checks them.
+    # This call only checks the steps; its result, the same steps, is not needed.
     profiles.checked_along_rod(
         problems, "area", area, Segment.fields["area"], known_length
     )
     frozen.raise_if_problems(problems)
-    edges = (0.0, *area.at, L)  # of the segments, m from the left end
+    edges = (0.0, *area.at, L)  # edges of the segments, m from the left end of the rod
     pieces: list[Segment] = []
     for i, A in enumerate(area.values):
         piece = dict(shape)

@@ -78,7 +78,7 @@ class Drag(FrozenDataclass, kind="drag"):
 def drag_along_rod(drag: Drag, length: Number | None) -> Drag:
     """Drag whose profile is checked along a rod of this length, m, and sampled.
 
-    A function becomes `Samples`; a number stays. The length is None if it is unknown.
+    A function becomes `Samples`; a number is kept. The length is None if it is unknown.
 
     Raises
     ------

@@ -232,7 +232,7 @@ class QuantityField(NamedTuple):
         if type(value) is float and sign in INTERVALS:
             # Most values are valid floats. For speed they are returned here, without
             # being converted to arrays; other floats are checked below.
-            magnitude = value
+            magnitude = value  # negative values do not pass the next test
             if sign in ("any", "sampled"):
                 magnitude = abs(value)
             may_be_zero = "positive" not in sign

@@ -368,7 +368,7 @@ def in_time(
 ) -> Profile:
     """Check the value of a driven end as a profile in time, from t = 0; return it.
 
-    A function becomes `Samples`; `Steps` and `Samples` stay as they are.
+    A function becomes `Samples`; `Steps` and `Samples` are returned unchanged.
 
     Parameters
     ----------
@@ -548,6 +548,7 @@ def averages(profile: Any, edges: Any, length: float) -> Floats:
         return _averages_of_samples(profile, edges, length)
     if isinstance(profile, Steps):
         return _averages_of_steps(profile, edges)
+    # A number is a single step without jumps.
     return _averages_of_steps(Steps([profile], []), edges)
 
 

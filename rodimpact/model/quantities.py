@@ -114,7 +114,7 @@ def of_unit(unit: str) -> str:
 
 
 def _strip_units(value: Any, unit: str) -> Any:
-    """Numbers of a value in a unit: bare ones as they are, others as list or array.
+    """Numbers of a value in `unit`: a bare number or list itself, else a list or array.
 
     Lists may be nested. TypeError if the value is not numeric, or is a truth value.
     ValueError if its unit does not convert, or if it would lose a mask, an index or
@@ -163,9 +163,10 @@ def _magnitude(quantity: Any, unit: str) -> Any:
 
 
 def _loss_of(value: Any) -> str:
-    """What a value would lose as bare numbers, and the remedy; "" if nothing.
+    """Text on the part that a value would lose as bare numbers, with the remedy.
 
-    It is the named dimensions of xarray, the index of pandas, or the mask of NumPy.
+    Such a part is the named dimensions of xarray, the index of pandas, or the mask of
+    NumPy. "" if nothing would be lost.
     """
     if hasattr(value, "dims"):
         return (

@@ -105,7 +105,7 @@ class Soil(FrozenDataclass, kind="soil"):
 def soil_along_rod(soil: Soil, length: Number | None) -> Soil:
     """Soil whose profiles are checked along a rod of this length, m, and sampled.
 
-    Functions become `Samples`; numbers stay. The length is None if it is unknown.
+    Functions become `Samples`; numbers are kept. The length is None if it is unknown.
 
     Raises
     ------

@@ -133,7 +133,8 @@ class System(FrozenDataclass):
                 field = GAP_OR_OVERLAP
             checked_gap = field.checked(problems, f"gaps.{i}", gap)
             gaps.append(checked_gap)
-            _check_contact(problems, i, law, checked_gap, bodies[i : i + 2])
+            pair = bodies[i : i + 2]  # the two bodies of contact i
+            _check_contact(problems, i, law, checked_gap, pair)
         ends = _checked_ends(problems, self.ends, bodies)
         frozen.raise_if_problems(problems)
         # Lists are kept as tuples, which do not change.
@@ -213,6 +214,7 @@ class System(FrozenDataclass):
         2.0
         """
         try:
+            # NumPy itself gives the shape of the chosen members, or refuses the index.
             shape = np.broadcast_to(0.0, self.shape)[index].shape
         except (IndexError, TypeError, ValueError) as error:
             message = f"{shown(index)} is no index of the shape {self.shape}: {error}"
@@ -449,7 +451,7 @@ def _parameters_from(description: dict[str, Any]) -> dict[str, Any]:
     """
     parameters = {}
     for name, value in description.items():
-        parameters[name] = profile_from(value)  # values of other types stay
+        parameters[name] = profile_from(value)  # other values are returned unchanged
     if "material" in description:
         parameters["material"] = Material(**description["material"])
     if "segments" in description:
@@ -559,6 +561,7 @@ def _check_elastic_overlap(problems: Problems, i: int, law: Any, gap: Number) ->
     than -(yield force)/stiffness.
     """
     least_gap = -np.divide(law.yield_force, law.stiffness)
+    # The gap is negative: the factor allows a slightly larger overlap.
     is_elastic = np.greater_equal(gap, least_gap * (1 + ELASTIC_RTOL))
     message = (
         "must be {0!r} m or more, minus the overlap at which the contact yields, got "

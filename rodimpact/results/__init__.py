@@ -1,1 +1,1 @@
-"""What a run is read as: signals, fields, contacts, energy, outcome."""
+"""Results of a run: fields, contacts, gauges, energy, outcome."""

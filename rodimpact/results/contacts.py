@@ -58,12 +58,12 @@ class ContactHistory:
     """
 
     def __init__(self, index: int, fields: Fields, run: Run) -> None:
-        """Take the totals and the signals of the contact of that index from a run.
+        """Store the totals and the signals of contact `index` of a run.
 
-        The law is that of the system, as it was at t = 0. Signals stay in ticks, and
-        `fields` and its clock turn times into ticks.
+        The law is the law of the system at t = 0. Signals are functions of ticks;
+        `fields` and its clock convert times to ticks.
         """
-        tally = run.contacts[index]  # totals
+        tally = run.contacts[index]  # totals of the contact
         signal = run.signals.contacts[index]
         self.index = index
         self.law = run.system.contacts[index]
@@ -115,13 +115,13 @@ class ContactHistory:
             return self.law.replace(stretch=stretch)
         if isinstance(self.law, Plastic):
             # The overlap is minus the gap, so it is largest where the gap is smallest.
-            # The gap is read where its pieces begin, and at t itself.
+            # The gap is evaluated at the starts of its pieces and at t itself.
             earlier_gaps = self._gap.values[self._gap.ticks <= tick]
             smallest_earlier = float(np.min(earlier_gaps, initial=0.0))  # 0: no overlap
             smallest_gap = min(smallest_earlier, float(self.gap(t)))
             largest_overlap = -smallest_gap
-            # The gap counts from the yielded faces, so the overlap is elastic, and the
-            # force is k times the overlap.
+            # The gap is measured from the deformed faces, so the overlap is elastic and
+            # the force is the stiffness times the overlap.
             force_reached = self.law.stiffness * largest_overlap
             return self.law.hardened(force_reached)
         return self.law
@@ -138,8 +138,8 @@ class ContactHistory:
         if is_constant_between_jumps:
             ticks = self.push.ticks
         else:
-            # Straight lines between the marks of a signal follow it to `LINE_RTOL` of
-            # its range. The marks of both signals are merged, in order.
+            # Marks are ticks between which straight lines follow a signal closely. The
+            # marks of both signals are merged, in order.
             ticks = each_once(self.push.marks, self._gap.marks)
         times = ticks * self._tick
         return Breakpoints(times, self.push.at(ticks), self._gap.at(ticks))

@@ -1,4 +1,4 @@
-"""Where the energy is, and what brought it there, at any time of a run."""
+"""Energies of the bodies and contacts, and works and losses, at any time of a run."""
 
 from __future__ import annotations
 
@@ -112,18 +112,18 @@ class BondedGroups(NamedTuple):
 
 
 class BoundaryWorks(NamedTuple):
-    """Work done on the row since t = 0 by what is outside of its two ends, J [time].
+    """Work done on the row since t = 0 from outside of its two ends, J [time].
 
     The fields are named like `BoundaryAction.kind`.
     """
 
     wall: Floats  # by walls
     drive: Floats  # by driven ends
-    absorbing: Floats  # by absorbing ends: the energy that comes in, less what leaves
+    absorbing: Floats  # by absorbing ends: incoming minus outgoing energy
 
 
 class ShaftWorks(NamedTuple):
-    """Work done since t = 0 on what acts along the shafts of rods, J [time]."""
+    """Work done since t = 0 on soil and drag along the shafts of rods, J [time]."""
 
     soil: Floats
     drag: Floats
@@ -134,8 +134,8 @@ def bonded_groups(fields: Fields, ticks: Ints) -> BondedGroups:
 
     Energies must be known at these ticks, see `Fields.nearest_energy_ticks`. Only
     bodies that can move count, see `movable_groups`. The velocity of a group is its
-    momentum over its mass. A group in which no body can move, such as a wall alone, has
-    the velocity 0, and no mass or energy.
+    momentum divided by its mass. A group in which no body can move, such as a single
+    wall, has the velocity 0, and no mass or energy.
     """
     clock = fields.clock
     times = ticks * clock.tick
@@ -245,9 +245,10 @@ class ContactEnergies(NamedTuple):
 def _contact_energies(contacts: Sequence[ContactHistory], t: Floats) -> ContactEnergies:
     """Energies of all contacts together at times t in s, the first of which is 0.
 
-    A contact loses the work that the bodies do on it, less the growth of its stored
-    energy. The loss is `numerical` at a rigid contact without a restitution, which
-    loses energy to the cells of a grid alone, and `dissipated` at any other contact.
+    The loss of a contact is the work that the bodies do on it, minus the growth of its
+    stored energy. It is `dissipated`, except at a rigid contact without a restitution:
+    such a contact only loses energy to the cells of a grid, and its loss is
+    `numerical`.
     """
     stored = np.zeros(t.shape)
     dissipated = np.zeros(t.shape)
@@ -300,7 +301,7 @@ def ledger(
         dissipated=at_contacts.dissipated,
         damped=damped,
         numerical=at_contacts.numerical,
-        radiated=-works.absorbing,  # the work counts what comes in
+        radiated=-works.absorbing,  # radiated energy is outgoing, the work incoming
         soil_work=on_shafts.soil,
         drag_work=on_shafts.drag,
         wall_work=works.wall,
@@ -376,10 +377,10 @@ def _gravity_work(fields: Fields, states: BondedGroups) -> Floats:
 def totals_of(run: Run, fields: Fields, contacts: Sequence[ContactHistory]) -> Totals:
     """Totals of a finished run: motion before and after, works, losses and residuals.
 
-    They are those of the ledger at the first and the last tick at which energies are
-    known. If the method itself has found the motion (`run.motion`), its velocities
-    before and after and its vibration energies after take the place of those of the
-    fields. The residuals of momentum and energy are relative to their scales.
+    They are computed from the ledger at the first and the last tick at which energies
+    are known. If the method itself has found the motion (`run.motion`), its velocities
+    before and after and its vibration energies after replace those of the fields. The
+    residuals of momentum and energy are relative to their scales.
     """
     clock = run.clock
     first_and_last = np.array([0, run.end])
@@ -444,11 +445,12 @@ def _energy_scale(
 
 
 def _momentum_residual(run: Run, fields: Fields, states: BondedGroups) -> float:
-    """Missing momentum in the balance at the last tick of the states, over a scale.
+    """Missing momentum in the balance at the last tick of `states`, over a scale.
 
-    Missing is the momentum gained less the impulse from outside and m g t. The scale is
-    the momentum of all masses at the velocity scale, plus the absolute impulses of
-    contacts; nan, an unknown impulse, does not count. It is 0 where the scale is 0.
+    The missing momentum is the gain of momentum, minus the impulse from outside and
+    m g t. The scale is the momentum of all masses at the velocity scale, plus the
+    absolute impulses of contacts; unknown impulses (nan) are left out. The result is 0
+    if the scale is 0.
     """
     clock = run.clock
     last_tick = states.ticks[-1]
@@ -468,11 +470,11 @@ def _momentum_residual(run: Run, fields: Fields, states: BondedGroups) -> float:
 def _motion_at(
     system: System, states: BondedGroups, energies: EnergyLedger, k: int
 ) -> Motion:
-    """Motion of all bodies, walls among them, at the k-th tick of the states.
+    """Motion of all bodies, including walls, at tick number k of `states`.
 
-    A body has the velocity of its group, m/s, or of the wall that holds it, and its own
-    vibration energy, J, 0 for a wall. The kinetic energy, J, is one number: that of all
-    centres of mass together.
+    Each body has a velocity, m/s, that of its group or of the wall that holds it, and
+    its own vibration energy, J, which is 0 for a wall. The kinetic energy, J, is a
+    single number, that of all centres of mass together.
     """
     # By body from left to right: each group holds neighbours, and groups are in order.
     velocities = []
@@ -491,14 +493,15 @@ def _motion_at(
 def _impulse_from_outside(fields: Fields, tick: int) -> float:
     """Impulse to the right on the row from t = 0 to a tick, N s, without gravity.
 
-    It is that of walls, drives and absorbing ends at the two ends of the row, and of
-    soil and drag along shafts.
+    It is the impulse of walls, drives and absorbing ends at the two ends of the row,
+    plus that of soil and drag along shafts.
     """
     impulse = 0.0
     for end_action, sign in zip(fields.signals.boundary_actions, INWARD, strict=True):
         if end_action is not None:
             push_integral = float(end_action.push.integral(0, tick))
-            # A push on an end is positive inward. Ticks become seconds.
+            # A push is positive inward: `sign` is 1 at the left end, -1 at the right.
+            # The factor s per tick makes N s of N ticks.
             impulse += sign * push_integral * fields.clock.tick
     for action in fields.signals.shafts.values():
         # A push on a shaft is positive to the right.

@@ -148,9 +148,9 @@ def clip(corners: list[Corner], n0: int, n1: int, bound: int) -> list[Corner]:
     """Part of a polygon in which n0 p + n1 q <= bound; no corners if that has no area.
 
     The depth of a corner is bound - n0 p - n1 q: positive inside, 0 on the edge.
-    Corners inside and on the edge stay, and sides are cut where the depth is 0, between
-    corners whose depths have different signs. Sides run along p, along q or diagonally,
-    so that they are cut at whole ticks.
+    Corners inside and on the edge are kept. A side between corners whose depths have
+    different signs is cut where the depth is 0. Sides run along p, along q or
+    diagonally, so that they are cut at whole ticks.
     """
     inside: list[Corner] = []
     depth = [bound - n0 * p - n1 * q for p, q in corners]
@@ -177,8 +177,8 @@ def crossing(start: int, stop: int, here: int, there: int) -> int:
 
     The depth is `here` at `start`, and `there` at `stop`; if both ticks are equal, the
     result is that tick. Both divisions are exact, since the cut lies at a whole tick,
-    see `clip`. The quotient comes first, since products may exceed 2^53, up to which
-    JavaScript has every whole number.
+    see `clip`. Dividing first avoids products above 2^53, beyond which JavaScript does
+    not represent every whole number.
     """
     if start == stop:  # only the other coordinate changes along this side
         return start
@@ -210,7 +210,7 @@ def polygons_of(
     The polygons of all rods are in the same lists, rod by rod and piece by piece. Lists
     have an entry for each polygon, and ``x``, ``t`` and ``displacement`` an entry for
     each vertex. ``start`` has one entry more, the end of the last polygon. In each rod
-    x and the initial displacement count from its left end.
+    x and the initial displacement are measured from its left end.
 
     Parameters
     ----------
@@ -274,7 +274,7 @@ def add_segment(
     lattice = lattice_of(piece, start, stop)
     p_edges = lattice.p
     q_edges = lattice.q
-    # The displacement at the left end counts from t = 0, where p = 0 and q = -T.
+    # The displacement at the left end is relative to t = 0, where p = 0 and q = -T.
     a_passed_at_start = integral_to(a, 0)
     b_passed_at_start = integral_to(b, -T)
     for k in range(len(lattice.first)):

@@ -19,11 +19,11 @@ from ..storage.tables import heading, misnamed, write_table
 from ..units import shown
 from .fields import to_side
 
-DEFAULT_SAMPLES = 10_000  # number of intervals of a record where none is given
-MAX_TABLE_ROWS = 100_000_000  # rows of some gigabytes
-ROWS_PER_BLOCK = 4096  # rows of a table that are made at a time
-SAMPLE_COUNT_RTOL = 1e-12  # share of a record by which its last sample may be late
-RECORD_END_RTOL = 1e-9  # share of a record by which a time may lie beyond its end
+DEFAULT_SAMPLES = 10_000  # number of sampling intervals of a record, by default
+MAX_TABLE_ROWS = 100_000_000  # a table of some gigabytes
+ROWS_PER_BLOCK = 4096  # rows of a table that are computed at a time
+SAMPLE_COUNT_RTOL = 1e-12  # fraction of a record by which its last sample may be late
+RECORD_END_RTOL = 1e-9  # fraction of a record by which a time may exceed its end
 
 
 class Sampling(NamedTuple):
@@ -123,8 +123,8 @@ class Gauge:
     def _ticks(self, t: Floats, side: Side = "right") -> Ints:
         """Ticks nearest to times in s.
 
-        Where floats do not resolve ticks, they are moved to just after ("right") or
-        just before ("left") jumps at these times, see `to_side`.
+        Ticks that are too large to be resolved by floats are moved to just after
+        ("right") or just before ("left") jumps at these times, see `to_side`.
         """
         nearest = np.rint(t / self.tick).astype(np.int64)
         return to_side(nearest, side)
@@ -216,20 +216,20 @@ class Gauge:
         return means
 
     def _cell_parts(self, bounds: Floats) -> CellParts:
-        """Cells cut at breaks, where the strain goes on by another polynomial.
+        """Cells cut at breaks, where the next polynomial of the strain begins.
 
         The cells lie between increasing bounds, ticks. A cell without a break is one
-        part. A break at a bound makes a part of no width.
+        part. A break at a bound makes a part without width.
         """
         all_breaks = self.record.breaks
         first, stop = all_breaks.searchsorted(bounds[[0, -1]])
         breaks = all_breaks[first:stop]
-        # Cell i lies between the bounds i and i + 1. This is the index of the bound
-        # behind each break, so the break lies in the cell next_bound - 1.
+        # Cell i lies between the bounds i and i + 1. `next_bound` is the index of the
+        # bound after each break, so that the break lies in the cell next_bound - 1.
         next_bound = bounds[:-1].searchsorted(breaks, side="right")
         cuts = np.insert(bounds, next_bound, breaks)  # in order
         cell_count = len(bounds) - 1
-        # Each break makes one more part of its cell, which stands behind the others.
+        # Each break makes one more part of its cell, inserted after its other parts.
         cell = np.insert(np.arange(cell_count), next_bound, next_bound - 1)
         return CellParts(cuts, cell)
 
@@ -346,9 +346,9 @@ def _table_blocks(records: list[Gauge], sampling: Sampling) -> Iterator[list[Flo
 
 
 def check_gauges(gauges: Any) -> Mapping[str, Gauge]:
-    """Return a mapping of names to gauges as it is, also an empty one.
+    """Check a mapping of names to gauges, which may be empty, and return it.
 
-    InvalidModel for anything else, and for a value in it that is no `Gauge`.
+    InvalidModel for any other object, and if a value in it is no `Gauge`.
     """
     if isinstance(gauges, Mapping):
         are_gauges = [isinstance(record, Gauge) for record in gauges.values()]
@@ -361,9 +361,9 @@ def check_gauges(gauges: Any) -> Mapping[str, Gauge]:
 def _sampling(interval: Any, end: float) -> Sampling:
     """Samples at this interval, s, of a record that ends at `end`, s.
 
-    There are `DEFAULT_SAMPLES` intervals if it is None, and one sample if the record
-    has no duration. InvalidModel for an interval that is not positive, or gives more
-    than `MAX_TABLE_ROWS`.
+    If `interval` is None, there are `DEFAULT_SAMPLES` intervals. If the record has no
+    duration, there is one sample. InvalidModel for an interval that is not positive, or
+    gives more than `MAX_TABLE_ROWS` rows.
     """
     if interval is not None:
         step = scalar("interval", interval, "s", "positive")
@@ -377,7 +377,7 @@ def _sampling(interval: Any, end: float) -> Sampling:
             f"gives {end / step:.3g} rows, more than {MAX_TABLE_ROWS}; take at least"
         )
         raise invalid_argument("interval", f"{message} {least:.3g} s, got {step!r}")
-    # Rounded down; a last sample that is late by no more than round-off counts.
+    # Rounded down; a last sample that is late by round-off alone is included.
     interval_count = int(end / step * (1 + SAMPLE_COUNT_RTOL))
     return Sampling(step, interval_count + 1)
 

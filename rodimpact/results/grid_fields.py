@@ -89,7 +89,7 @@ class GridFields(Fields):
 
     @cached_property
     def state_ticks(self) -> Ints:
-        """Increasing ticks of the states; energies are known at these alone."""
+        """Increasing ticks of the states. Energies are only known at these ticks."""
         return np.asarray(self.motion.when * STEP_TICKS)
 
     def nearest_energy_ticks(self, ticks: Ints) -> Ints:
@@ -148,7 +148,8 @@ class GridFields(Fields):
     def _segment_places(self, body: int) -> list[Floats]:
         """Places of the nodes of a rod by segment, m, [segment][node].
 
-        They count from the left end of the rod. Two neighbouring segments share a node.
+        They are measured from the left end of the rod. The last place of a segment is
+        the first one of the next segment, since they share a node.
         """
         first, last = self.clock.spans[body]  # segments in the row, counted from 1
         # Segment 1 has the index 0 in `counts`.
@@ -226,6 +227,7 @@ class GridFields(Fields):
             rate = []
             for i, nodes in enumerate(self._segment_places(body)):
                 middles = (nodes[1:] + nodes[:-1]) / 2
+                # The slices are arrays of one entry: the two ends of the segment.
                 places += [nodes[:1], middles, nodes[-1:]]
                 # [state, point], with the points at these places
                 in_segment = segment_strain(
@@ -383,6 +385,7 @@ class GridFields(Fields):
         clock = self.clock
         span = self._span(body)
         step_number = tick // STEP_TICKS
+        # `when` has the step number of each state, in order.
         state = int(np.searchsorted(self.motion.when, step_number))
         in_frame = self.motion.velocity[state, span.nodes]
         # Velocities in the laboratory, minus the given velocity
@@ -396,6 +399,7 @@ class GridFields(Fields):
         The ticks must be those of states.
         """
         step_numbers = ticks // STEP_TICKS
+        # `when` has the step number of each state, in order.
         states = np.searchsorted(self.motion.when, step_numbers)
         lost = self.motion.lost[states]  # since t = 0, W times steps; `step` is s
         return np.asarray(lost * self.step)
@@ -543,7 +547,7 @@ class GridFields(Fields):
 
 
 def _push_of(action: BoundaryAction | None) -> Floats | None:
-    """Mean force of what acts on an end of the row, N [step]; None if nothing does."""
+    """Mean force of an action on an end of the row, N [step]; None for no action."""
     if action is None:
         return None
     return action.push.values

@@ -28,8 +28,8 @@ def node_velocities(motion: GridMotion) -> Floats:
     is_damped = viscosity[:-1] + viscosity[1:] > 0  # [node], by the cells beside it
     if not is_damped.any() or len(motion.when) < 3:
         return velocity
-    # Means are made from the first to the last damped node, undamped nodes between them
-    # included, and copied to damped nodes alone.
+    # Means are computed for all nodes from the first to the last damped one, and copied
+    # to the damped nodes only.
     damped_nodes = np.flatnonzero(is_damped)
     first = int(damped_nodes[0])
     last = int(damped_nodes[-1])

@@ -1,7 +1,7 @@
 """Names and units of the numbers of a family and of a solution.
 
-A name such as ``bodies.0.length`` or ``impulse.1`` becomes what a figure or a Dataset
-says of it.
+They are the labels in figures and Datasets of names such as ``bodies.0.length`` or
+``impulse.1``.
 """
 
 import contextlib
@@ -105,6 +105,7 @@ def _of_path(system: System, path: str) -> Quantity:
             return _of_end(system, side, within)
         case ["materials", *name, field]:  # a name may have dots
             owner = f"material {'.'.join(name)}"
+        # *_ stands for parts between, such as "material".
         case ["bodies", body, "segments", segment, *_, field]:
             owner = f"segment {int(segment) + 1} of {_body(system, body)}"
         case ["bodies", body, field, "values", number]:

@@ -1,6 +1,6 @@
-"""How much displacements are magnified, in figures and on the page alike.
+"""Magnification of displacements, the same in figures and on the page.
 
-Plain Python, which the page has as JavaScript.
+The page has these functions as JavaScript.
 """
 
 import math
@@ -11,7 +11,7 @@ MAX_DRIFT_RATIO = (
     3.0  # a drift that is drawn, over the movement within the row, at most
 )
 INNER_MOVEMENT_RTOL = 1e-9  # less movement within the row, over its drift, is round-off
-LEADING_DIGIT_RTOL = 1e-9  # a number may lie so much below 1, 2, 5 times a power of ten
+LEADING_DIGIT_RTOL = 1e-9  # a number this close below 1, 2, 5 times 10^n counts as it
 BLOCK = 0.05  # largest width of a mass in the picture, in lengths of all rods
 
 
@@ -27,11 +27,11 @@ def drifts(reach: float, relative: float) -> bool:
 def magnified(length: float, reach: float, relative: float, strain: float) -> float:
     """Magnification of displacements in a picture: 1, 2, 5, 10, 20 ..., 1 at least.
 
-    It is rounded down from the factor with which the movement to be seen fills
-    `PICTURED_MOVEMENT` of the `length` of the row, m, and the largest `strain` becomes
-    no more than `MAX_PICTURED_STRAIN`. The movement to be seen is `reach`, m, the
-    farthest one. In a row that drifts (`drifts`) it is `relative`, m, the one within
-    the row, which the drift would hide. Without movement the magnification is 1.
+    With the exact factor the movement becomes `PICTURED_MOVEMENT` times the `length` of
+    the row, m, or less, if the largest `strain` would exceed `MAX_PICTURED_STRAIN`. The
+    factor is rounded down. The movement is `reach`, m, the farthest one; in a row that
+    drifts (`drifts`) it is `relative`, m, the movement within the row, which the drift
+    would hide. Without movement the magnification is 1.
     """
     movement = reach
     if drifts(reach, relative):
@@ -47,9 +47,9 @@ def magnified(length: float, reach: float, relative: float, strain: float) -> fl
 def round_down(number: float) -> float:
     """Largest of 1, 2, 5 times a power of ten that is no larger than a positive number.
 
-    It may exceed the number by `LEADING_DIGIT_RTOL` of it, for the sake of round-off.
+    It may exceed the number by the fraction `LEADING_DIGIT_RTOL`, for round-off.
     """
-    # The power of ten that begins with the leading digit of the number.
+    # The power of ten of the leading digit
     base = 10.0 ** math.floor(math.log10(number) + LEADING_DIGIT_RTOL)
     for digit in (5, 2):
         if digit * base <= number * (1 + LEADING_DIGIT_RTOL):

@@ -1,6 +1,6 @@
-"""What a notebook shows of a result.
+"""HTML that a notebook shows for a result.
 
-The package sets the function that draws it, since pictures lie above results.
+`rodimpact` sets the function that makes it: results themselves must not import plots.
 """
 
 from collections.abc import Callable

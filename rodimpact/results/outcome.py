@@ -1,4 +1,4 @@
-"""What a collision did: velocities before and after, impulses, restitution, energies.
+"""Outcome of a collision: velocities before and after, impulses, restitution, energies.
 
 In an outcome, bodies that are joined have one common velocity.
 """
@@ -251,10 +251,10 @@ class Outcome(OnlyContact[float]):
         )
 
     def to_dict(self) -> dict[str, Any]:
-        """All entries by name as a new dictionary, in JSON's terms.
+        """All entries by name, as a new dictionary of values for JSON.
 
-        Tuples become lists, and each contact a dictionary of its totals by name. A nan
-        stays a float.
+        Tuples become lists, and each contact a dictionary of its totals by name. nan is
+        kept as a float.
         """
         entries: dict[str, Any] = {}
         for name, value in vars(self).items():
@@ -310,7 +310,7 @@ def outcome_of(run: Run, totals: Totals) -> Outcome:
     """The outcome of a run with these totals.
 
     Its status is that of the run, followed by a warning if the balance of the totals
-    does not close. It counts as driven if an end is driven, soil or drag acts along a
+    does not close. `driven` is True if an end is driven, soil or drag acts along a
     shaft, or there is gravity.
     """
     system = run.system
@@ -343,7 +343,7 @@ def _balance_warning(momentum: float, energy: float) -> str:
     missing = []
     residuals = {"momentum": abs(momentum), "energy": abs(energy)}
     for name, residual in residuals.items():
-        is_small = residual <= MAX_SILENT_RESIDUAL  # nan is not
+        is_small = residual <= MAX_SILENT_RESIDUAL  # False for nan
         if not is_small:
             missing.append(f"{residual:.1g} of the {name}")
     if not missing:

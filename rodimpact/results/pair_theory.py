@@ -35,7 +35,7 @@ class PairTheory(NamedTuple):
 
     @property
     def source(self) -> str:
-        """Where the closed form comes from, for figures.
+        """Source of the closed form, as a label in figures.
 
         "Saint-Venant 1867" for two rods, "textbook, box 10.4" for a rod and a wall, and
         "Boussinesq" for a rod and a rigid mass.
@@ -107,9 +107,9 @@ class PairTheory(NamedTuple):
         return mass_on_rod(rigid_mass, Z[rod], T[rod], V)
 
     def column(self, name: str) -> Floats:
-        """The result of that name, one of `COLUMNS`, of each member, in SI units.
+        """The result `name`, a key of `COLUMNS`, of each member, in SI units.
 
-        nan where the bodies do not approach each other.
+        It is nan for members whose bodies do not approach each other.
         """
         values = COLUMNS[name](self, self.collision())
         return np.where(self.approaches, values, np.nan)
@@ -124,8 +124,8 @@ class PairTheory(NamedTuple):
 def _velocity_after(family: PairTheory, pair: PairCollision, body: int) -> Floats:
     """Velocity of the left body (0) or the right one (1) after the impulse J, m/s.
 
-    It is v - J/m of the left body, and v + J/m of the right one. A wall, whose mass is
-    infinite, keeps its velocity.
+    It is v - J/m for the left body, and v + J/m for the right one. A wall has infinite
+    mass and keeps its velocity.
     """
     change = pair.impulse / family.mass[body]
     if body == 0:
@@ -148,16 +148,16 @@ COLUMNS: dict[str, Callable[[PairTheory, PairCollision], Any]] = {
 def pair_theory(system: System) -> PairTheory | None:
     """The numbers of a family whose collision has a closed form, else None.
 
-    It has one if two bodies, one of them a rod at least, meet at a `Rigid` contact,
-    neither gravity nor an end acts on them, both have `_closed_form_inputs`, and the
-    bodies of some member approach each other.
+    There is a closed form if all of this holds: the row has two bodies, at least one of
+    them a rod; the contact is `Rigid`; neither gravity nor an end acts on them; both
+    have `_closed_form_inputs`; the bodies of at least one member approach each other.
     """
     is_pair = len(system.bodies) == 2
     if not is_pair or not isinstance(system.contacts[0], Rigid):
         return None
     if "rod" not in system.kinds:  # a restitution is given, and no wave runs
         return None
-    # Gravity, or something at the ends, acts on the row if it differs from this one.
+    # If gravity or an end acts on the row, it differs from this system without them.
     without_loads = System(system.bodies, system.gaps, system.contacts)
     if system != without_loads:
         return None
@@ -190,10 +190,10 @@ class _ClosedFormInputs(NamedTuple):
 
 
 def _closed_form_inputs(body: Body) -> _ClosedFormInputs | None:
-    """Numbers that the closed forms take of a body; of a wall the mass is infinite.
+    """Numbers of a body for the closed forms; the mass of a wall is infinite.
 
-    None if it is a rod that is not uniform, has damping or lateral inertia, has initial
-    strain, or whose velocity is a profile along it.
+    None for a rod that is not uniform, has damping, lateral inertia or initial strain,
+    or has a velocity that is a profile along it.
     """
     if not isinstance(body, Rod):
         mass = getattr(body, "mass", np.inf)  # a wall has no such number
@@ -204,7 +204,7 @@ def _closed_form_inputs(body: Body) -> _ClosedFormInputs | None:
     # An ideal segment has one area, no damping and no lateral inertia.
     is_ideal = len(body.segments) == 1 and segment.ideal
     moves_as_one = isinstance(body.velocity, float | np.ndarray)  # else it is a profile
-    is_strained = np.any(body.strain != 0)  # a profile differs from 0, and is strain
+    is_strained = np.any(body.strain != 0)  # True for any profile
     if not is_ideal or not moves_as_one or is_strained:
         return None
     return _ClosedFormInputs(

@@ -134,9 +134,9 @@ def regions_of(
 
 
 def nothing_to_draw(solution: Solution) -> str:
-    """Why there is no picture of a solution, a sentence; "" if there is one.
+    """Reason why there is no picture of a solution, a sentence; "" if there is one.
 
-    There is none of a run that ended at t = 0; its status tells the remedy.
+    There is no picture if the run ended at t = 0; then the text includes its status.
     """
     if solution.fields.end > 0:
         return ""
@@ -147,7 +147,7 @@ def nothing_to_draw(solution: Solution) -> str:
 def readable_until(solution: Solution, limit: int) -> float:
     """Time, s, from t = 0 up to which there are at most `limit` regions.
 
-    It is the first of t_end, t_end/2, t_end/4 and so on up to which this holds.
+    The result is the first of the times t_end, t_end/2, t_end/4 ... with this property.
 
     Raises
     ------
@@ -183,8 +183,8 @@ def _constant_fields(solution: Solution) -> WaveFields:
 def _interval(fields: WaveFields, start: float, stop: float) -> Interval:
     """First and last tick of the interval between two times, s.
 
-    InvalidModel unless `stop` is later by a tick at least, or if a time is not a
-    number. ValueError for times outside the solution.
+    InvalidModel if `stop` is not at least a tick later than `start`, or if a time is
+    not a number. ValueError for times outside the solution.
     """
     start_time = scalar("start", start, "s", sign=UNCHECKED)
     stop_time = scalar("stop", stop, "s", sign=UNCHECKED)

@@ -23,7 +23,7 @@ from .energy import BondedGroups, bonded_groups
 from .fields import Fields
 
 DECAY_SAMPLES = 400  # number of intervals between the times of the vibration energies
-MIN_DECAY_SAMPLES = 50  # with fewer states on a grid no decay is read
+MIN_DECAY_SAMPLES = 50  # a grid that kept fewer states is refused
 UNFITTED_SHARE = 1 - 1 / 3
 """Share of the record before its last third: this last third is fitted."""
 VIBRATION_RTOL = 1e-12  # vibration below this share of all energy is round-off
@@ -152,11 +152,11 @@ def _slowest_mode(fields: Fields) -> RodMode:
 
 
 def _momentum_change(fields: Fields, states: BondedGroups, vibration: Floats) -> float:
-    """Largest change of the row's momentum, as a share of a scale; 0 if nothing moves.
+    """Largest change of the row's momentum, divided by a scale; 0 if nothing moves.
 
-    The scale is the sum of momenta m sqrt(2 E/m) of the movable bodies, each of mass m,
-    as if each had all the energy E of the row. E is the largest kinetic energy plus
-    `vibration`, J [time].
+    The scale is the sum over the movable bodies of m sqrt(2 E/m), the momentum of a
+    body of mass m with all the energy E of the row. E is the largest sum of kinetic
+    energy and `vibration`, J [time].
     """
     largest_energy = (states.kinetic + vibration).max()
     scale = 0.0  # kg m/s

@@ -60,11 +60,11 @@ def case_of(solution: Any) -> Case:
 
 
 def result_of(solution: Any) -> SavedResult:
-    """What the file of a solution stores of its outcome, with the stated errors.
+    """The part of the outcome that the file of a solution stores, with stated errors.
 
-    The version of rodimpact, the method, and why and whether the collision ended come
-    with the numbers. Those of bodies and contacts have names with their index, such as
-    ``impulse.0``.
+    It includes the version of rodimpact, the method, why the run stopped, and whether
+    the collision is final. Names of numbers of bodies and contacts end in their index,
+    such as ``impulse.0``.
     """
     outcome = solution.outcome
     numbers = {}
@@ -88,7 +88,7 @@ def result_of(solution: Any) -> SavedResult:
 
 
 def difference(saved: SavedResult, solution: Any) -> str:
-    """Compare the outcome of a solution with the stored one: "" if they agree.
+    """Compare the outcome of a solution with the stored one; return the differences.
 
     Parameters
     ----------
@@ -99,9 +99,9 @@ def difference(saved: SavedResult, solution: Any) -> str:
     Returns
     -------
     str
-        Sentence on the entries that differ: numbers by more than the stated errors, and
-        ``method``, ``stopped_by`` and ``final`` at all. It lists
-        `MAX_LISTED_DIFFERENCES` of them and counts the others. Empty without any.
+        Sentence on the entries that differ, "" if there are none. Numbers may differ by
+        the stated errors; ``method``, ``stopped_by`` and ``final`` may not differ. The
+        first `MAX_LISTED_DIFFERENCES` entries are listed, the others counted.
     """
     now = result_of(solution)
     reasons = []
@@ -136,8 +136,8 @@ def _allowed_differences(
 
     A kind is a name without an index, such as ``impulse``. Each kind has a measure, see
     `MEASURE_OF`, with a stated relative error, 0 if none is stated. The difference is
-    the sum of the errors of both runs and of round-off, times the scale of the measure:
-    its largest number in either run. It is inf where an error is.
+    the sum of the errors of both runs and of round-off, times the scale of the measure,
+    which is its largest number in either run. It is inf if the error is inf.
     """
     outcome = solution.outcome
     errors = {}  # relative, by measure
@@ -173,10 +173,10 @@ def _allowed_differences(
 
 
 def _agree(value: float, stored: float, allowed: float) -> bool:
-    """Whether two numbers differ by no more than `allowed`; nan agrees with nan alone.
+    """Whether two numbers differ by no more than `allowed`.
 
-    If `allowed` is inf, all numbers agree, nan with a number too. An infinite number
-    agrees with the same infinite number alone.
+    If `allowed` is inf, the result is always True. Else nan only agrees with nan, and
+    an infinite number only with the same infinite number.
     """
     if allowed == math.inf or value == stored:
         return True

@@ -71,7 +71,7 @@ class SegmentWaves(NamedTuple):
 
         It is (integral of A from 0 to p + integral of B from -T to q)/2 + frame t, with
         the velocity `frame` of the clock's frame, m/s, and the tick t of the meeting,
-        2 t = p + q + T. It counts from the displacement of the left end at t = 0.
+        2 t = p + q + T. It is relative to the displacement of the left end at t = 0.
         """
         A = self.rightward
         B = self.leftward
@@ -98,7 +98,7 @@ class SegmentWaves(NamedTuple):
         A = self.rightward
         B = self.leftward
         T = self.transit
-        # Minus the integral of A from -T to 0, as it is taken backwards.
+        # From 0 back to -T: minus the integral of A from -T to 0
         minus_integral_of_A = A.integral(0, -T)
         twice_the_elongation = minus_integral_of_A + B.integral(-T, 0)
         return float(twice_the_elongation) / 2
@@ -107,9 +107,9 @@ class SegmentWaves(NamedTuple):
         """Integral of v over the segment at `ticks`, m/s ticks, of their shape.
 
         The variable of the integral is the time of travel. All parts of the waves in
-        the segment at the tick t left its ends from t - T to t. So this is half the
-        integral of A + B from t - T to t, in the frame of the clock. Times the
-        impedance and s for a tick it is the momentum.
+        the segment at the tick t left its ends from t - T to t. So the integral is half
+        that of A + B from t - T to t, in the frame of the clock. Multiplied by the
+        impedance and by the duration of a tick it is the momentum.
         """
         A = self.rightward
         B = self.leftward
@@ -120,9 +120,9 @@ class SegmentWaves(NamedTuple):
     def squared_integrals(self, tick: int, velocity: float) -> SquaredWaves:
         """Integrals of (A + B)^2 and (A - B)^2 over the segment at `tick`.
 
-        The variable of the integrals is the time of travel, ticks. Both waves, A
-        rightward and B leftward, are taken less `velocity`, m/s in the clock's frame,
-        to which the kinetic energy is relative.
+        The variable of the integrals is the time of travel, ticks. `velocity`, m/s in
+        the clock's frame, is first subtracted from both waves A and B: the kinetic
+        energy is relative to it.
         """
         # All parts in the segment left its ends from start = tick - T to tick. The part
         # of A that left at `time` meets the part of B that left at start + tick - time.
@@ -159,9 +159,9 @@ class SegmentWaves(NamedTuple):
         """
         T = self.transit
         start = tick - T
-        # A front of A that left at `time` has travelled tick - time from the left end.
-        # A front of B has travelled so long from the right end, so it lies
-        # T - (tick - time) = time - start from the left end.
+        # A front of A that left at `time` is tick - time away from the left end. A
+        # front of B that left at `time` is tick - time away from the right end, so it
+        # is T - (tick - time) = time - start away from the left end.
         fronts_of_A = tick - self.rightward.within(start, tick).marks
         fronts_of_B = self.leftward.within(start, tick).marks - start
         bounds = each_once(fronts_of_A, fronts_of_B)

@@ -50,9 +50,9 @@ class SoilProfile(NamedTuple):
 def soil_profile(fields: Fields, body: int, tick: int) -> SoilProfile:
     """Soil about the nodes of a rod whose `shaft` is `Soil`, at `tick`, on a grid.
 
-    The displacement counts from t = 0. The plastic set is the displacement less the
-    quake times the growth of the mobilised share since t = 0; it is 0 where no soil
-    resists.
+    The displacement is relative to t = 0. The plastic set is the displacement minus the
+    quake times the growth of the mobilised share since t = 0; it is 0 at nodes without
+    soil.
     """
     assert isinstance(fields, GridFields)  # no other method has soil
     rod = fields.clock.system.bodies[body]

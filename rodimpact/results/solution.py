@@ -1,4 +1,4 @@
-"""A solution is a function, not a grid: ask it for any field at any place and time."""
+"""Solution of a collision: all fields as functions of position and time."""
 
 from __future__ import annotations
 
@@ -165,7 +165,7 @@ class Solution(Shown):
     @cached_property
     @_ALLOW_UNDERFLOW
     def _totals(self) -> Totals:
-        """Totals that the method found, else those that follow from the fields."""
+        """Totals that the method computed, else totals computed from the fields."""
         if self.run.totals:
             return self.run.totals
         return totals_of(self.run, self.fields, self.contacts)
@@ -705,7 +705,7 @@ class Solution(Shown):
         return solution_table(self)
 
     def __repr__(self) -> str:
-        """Number of bodies, end time and what stopped the run, in angle brackets."""
+        """Number of bodies, end time and reason of the end, in angle brackets."""
         n = len(self.system.bodies)
         return (
             f"<Solution of {n} bodies to t = {self.t_end:.6g} s, "

@@ -1,7 +1,7 @@
-"""The state of a rod at one time as profiles with which a system can begin.
+"""The state of a rod at one time as profiles, from which a new system can start.
 
-Waves that are constant between fronts make `Steps`, others `Polynomials`. Both are the
-waves themselves: a run that goes on from them is as exact as one that did not stop.
+Waves that are constant between fronts become `Steps`, other waves `Polynomials`. Both
+represent the waves exactly: a run that continues from them is as exact as one long run.
 """
 
 from typing import NamedTuple
@@ -28,7 +28,7 @@ class StateProfiles(NamedTuple):
 
 
 class WaveSizes(NamedTuple):
-    """How large the waves in a rod are, m/s."""
+    """Sizes of the waves in a rod, m/s."""
 
     wave: float  # the largest wave
     change: float  # the largest change within a piece of a wave
@@ -37,12 +37,13 @@ class WaveSizes(NamedTuple):
 def state_profiles(fields: Fields, body: int, tick: int, error: float) -> StateProfiles:
     """Velocity and strain of a rod just after `tick`, as profiles along it.
 
-    They are `Polynomials` if a wave changes in a piece by more than round-off. Else
-    each is `Steps`, or a number if it is the same all along. Polynomials alone take the
-    stated `error` of velocities, m/s. On a grid the steps are those of cells.
+    They are `Polynomials` if a wave changes within a piece by more than round-off. Else
+    each is `Steps`, or a number if it is constant along the rod. Only polynomials get
+    the stated `error` of velocities, m/s. On a grid each cell is a step, unless its
+    neighbour has the same value.
     """
-    # The largest wave gives the round-off of steps. It stays 0 on a grid and for waves
-    # that are constant between fronts, where all differences count as steps.
+    # The largest wave determines the round-off of steps. It is left at 0 on a grid and
+    # for waves that are constant between fronts: there every difference is a step.
     largest_wave = 0.0
     if isinstance(fields, WaveFields) and not fields.constant_between_fronts:
         largest = _largest_waves(fields, body, tick)
@@ -85,11 +86,11 @@ def _polynomials(
 ) -> StateProfiles:
     """Velocity and strain of a rod at `tick`, as `Polynomials`.
 
-    `error` is that of velocities, m/s; that of strains is error/c with the slowest c.
-    The intervals are those in which both waves are single polynomials. In each interval
-    a profile has as many values as the longest polynomial has coefficients, at
-    Chebyshev-Lobatto points. The velocity is (A + B)/2 plus that of the frame, and the
-    strain (B - A)/(2 c), see `SegmentWaves`.
+    `error` is the error of velocities, m/s; the error of strains is error/c with the
+    slowest c. In each interval both waves are single polynomials. An interval has as
+    many values as the longest polynomial has coefficients, at Chebyshev-Lobatto points.
+    The velocity is (A + B)/2 plus that of the frame, and the strain (B - A)/(2 c), see
+    `SegmentWaves`.
     """
     frame = fields.frame_velocity(tick)
     segments = list(fields.waves_along(body))
@@ -100,7 +101,8 @@ def _polynomials(
         )
     angles = np.pi * np.arange(count) / (count - 1)
     shares = (1 - np.cos(angles)) / 2  # places of the points in an interval, 0 to 1
-    ones = np.ones(count)  # constant waves have one value an interval, to be repeated
+    # The values of constant waves are [interval, 1]: times `ones` they are repeated.
+    ones = np.ones(count)
     starts: list[float] = []  # left bounds of the intervals, m
     velocities = []  # of each segment, [interval, point]
     strains = []
@@ -110,8 +112,9 @@ def _polynomials(
         near = bounds[:-1]
         far = bounds[1:]
         # The part of A that has travelled for n ticks left the left end at tick - n.
-        # What left first is farthest, so in order of time A begins at the far bound.
-        # Shares are symmetric: the values backwards are those from the near bound on.
+        # The earliest part is farthest away, so in order of time A begins at the far
+        # bound. [:, ::-1] orders the values from the near bound to the far one; the
+        # points are the same, since the shares are symmetric.
         A_in_order_of_time = waves.rightward.inside(tick - far, tick - near, shares)
         A = A_in_order_of_time[:, ::-1]
         # B there has travelled for T - n ticks: it left the right end at tick - T + n.
@@ -136,8 +139,8 @@ def _polynomials(
 def _lasting_bounds(waves: SegmentWaves, tick: int) -> Ints:
     """Bounds of the parts of a segment in which both waves are polynomials, [n + 1].
 
-    They are times of travel from the left end, ticks, from 0 to T. A part that lasts no
-    longer than `SLIVER_TICKS` comes of round-off, and is joined to its neighbour.
+    They are times of travel from the left end, ticks, from 0 to T. A part of at most
+    `SLIVER_TICKS` is due to round-off, and is joined to its neighbour.
     """
     transit = waves.transit
     lasting = [0]
@@ -152,8 +155,8 @@ def _lasting_bounds(waves: SegmentWaves, tick: int) -> Ints:
 def _steps(edges: Floats, values: Floats, round_off: float) -> Number | Steps:
     """Values [n] between edges [n + 1], m, as `Steps`; a number if there is one step.
 
-    A value that differs from its left neighbour by up to `round_off` goes on with its
-    step, which has its first value all along.
+    A value that differs from its left neighbour by at most `round_off` belongs to the
+    same step. The value of a step is its first one.
     """
     jumps = np.abs(np.diff(values)) > round_off
     begins = np.concatenate(([True], jumps))  # whether a step begins with a value

@@ -56,9 +56,9 @@ class WaveFields(Fields):
 
         They come with its transit time in ticks, length, wave speed and impedance.
         """
-        # The lists of the clock begin with what lies left of the row, at index 0; its
-        # ticks are transit times. Line 2 s leaves the left end of segment s, and line
-        # 2 s + 1 its right end.
+        # The lists of the clock have an entry for each segment; entry 0 is the outside
+        # on the left of the row. `clock.ticks` are transit times. Line 2 s leaves the
+        # left end of segment s, and line 2 s + 1 its right end.
         clock = self.clock
         return SegmentWaves(
             segment=segment,
@@ -192,6 +192,7 @@ class WaveFields(Fields):
         """
         points = self._points(body, x)
         values = np.empty(self._broadcast_shape(points.offset, ticks))
+        # Segment, offset and tick of each value, all of one shape
         segments, offsets, all_ticks = np.broadcast_arrays(*points, ticks)
         for segment in np.unique(points.segment).tolist():
             waves = self.waves(segment)
@@ -322,15 +323,16 @@ class WaveFields(Fields):
         """Stress, place and time where parts of the two waves of a segment meet.
 
         `per_difference` is E/(2 c), Pa s/m: stress over the difference of the waves.
-        Place and time are rounded to ticks of travel, so that a field read there has
-        this stress; at the right end of a segment the place is just left of the border.
+        Place and time are rounded to ticks of travel, so that the stress field there
+        has this value. At the right end of a segment the place is just left of the
+        border.
         """
         first, last = self.clock.spans[body]  # segments in the row, counted from 1
         segment = waves.segment
         T = waves.transit
         left = float(self.edges(body)[segment - first])
         # x = c (q - p + T)/2 and t = (p + q + T)/2, in whole ticks with halves rounded
-        # up (+ 1): a field that is read there sees the same waves.
+        # up (+ 1): fields at this place and time take the same parts of the waves.
         offset = min((meeting.q - meeting.p + T + 1) // 2, T)
         tick = (meeting.p + meeting.q + T + 1) // 2
         x = left + waves.length * (offset / T)
