@@ -1,9 +1,10 @@
-"""Doubts about a reduction: where the records contradict what was said about the shot.
+"""Doubts about a reduction: contradictions between the records and the arguments.
 
 Five things are checked: the specimen fits between the bars, gauges of one bar agree,
-each wave arrives when distances and wave speeds say, no alignment ends at the limit of
-its search, and the forces on both faces of the specimen balance. A doubt is a sentence
-with its number, its limit and a remedy. The curve stays as it is.
+each wave arrives at the time that follows from distances and wave speeds, no alignment
+ends at the limit of its search, and the forces on both faces of the specimen balance. A
+doubt is a sentence with the number that was found, its limit and a remedy. Doubts do
+not change the curve.
 """
 
 from __future__ import annotations
@@ -26,21 +27,21 @@ from .specimen import Specimen
 from .two_bar_shot import Shifts
 
 MIN_COMPARED_SAMPLES = 16
-"""Samples at which two records of a pulse are compared, at least."""
+"""Least number of samples over which two records of a pulse are compared."""
 
 MAX_SECTION_RATIO = 1.02
-"""Largest section of a specimen over that of the bars, which load it whole.
+"""Largest section of a specimen divided by the section of a bar.
 
-Areas that are rounded differ by some percent.
+A bar must cover the whole face of the specimen. Rounded areas differ by some percent.
 """
 MIN_OPPOSITE_RATIO = 0.6
-"""Bounds the strain of a gauge over that of the opposite gauge, averaged over a pulse.
+"""Least strain of a gauge divided by that of the opposite gauge, over a whole pulse.
 
 Bending of a tenth of the axial strain leaves 0.8; a bridge or gain that is wrong by a
 factor of two leaves 0.5, a dead gauge 0.
 """
 MIN_STATION_RATIO = 0.8
-"""Bounds the smaller over the larger strain of one pulse at two distances on a bar.
+"""Least ratio of the smaller to the larger strain of one pulse at two gauges of a bar.
 
 Such gauges differ by some percent, and by a tenth each if bending is not cancelled.
 """
@@ -51,44 +52,47 @@ Wave speeds from tables are off by 2 or 3 %, and distances by 1 % with the lengt
 gauge.
 """
 SLOWEST_SPECIMEN_SPEED = 500.0
-"""Bounds the time of a wave in the specimen.
+"""Lowest wave speed in a specimen, m/s; it bounds the travel time of a wave there.
 
 A foam has some 500 m/s, and every metal is faster.
 """
 MIN_REFLECTED_RATIO = 0.1
-"""Bounds the reflected over the incident strain.
+"""Least reflected strain, divided by the incident strain, of a wave that is evaluated.
 
-A weaker wave does not stand out of the ringing that follows a pulse in a bar.
+A weaker wave cannot be told from the ringing that follows a pulse in a bar.
 """
 ECHO_RTOL = 0.01
-"""Bounds the difference of a bar speed from that of a pulse back from the far end."""
-ECHO_MISFIT = 0.1
-"""Largest misfit of a pulse that came back, over its plateau.
+"""Largest relative difference between the bar speed and the measured speed of an echo.
 
-A larger one shows another wave.
+An echo is the pulse that comes back from the far end of the output bar.
+"""
+ECHO_MISFIT = 0.1
+"""Largest misfit of an echo to its prediction, divided by the plateau of the echo.
+
+If the misfit is larger, the recorded wave is not the echo.
 """
 ECHO_SEARCH_RTOL = 0.1
-"""Bounds the difference of bar speeds in the search for the pulse that comes back."""
+"""Largest relative error of the echo's travel time in the search for the echo."""
 MIN_WORSE_IMBALANCE = 0.05
-"""Imbalance over all loading after an alignment, at least, to call it worse."""
+"""Imbalance over all loading below which an alignment never counts as worse."""
 WORSE_IMBALANCE_RATIO = 1.5
-"""Ratio of imbalances after and before an alignment that makes it worse.
+"""Imbalance after an alignment divided by that before it, above which it is worse.
 
-They are taken over all loading.
+Both imbalances are taken over all loading.
 """
 SHIFT_LIMIT_RTOL = 0.01
-"""Bounds the distance of a shift from the limit of its search, over that limit."""
+"""A shift nearer to the limit of its search than this part of the limit is at it."""
 IMBALANCE_LIMIT = 0.15
-"""Bounds the median of abs(F1 - F2) over the plateau, relative to the mean force.
+"""Largest median of abs(F1 - F2) over the plateau, relative to the mean force.
 
-The mean force is the median of (abs(F1) + abs(F2))/2, so 2 is the most. Shots in
-equilibrium stay below a tenth.
+The mean force is the median of (abs(F1) + abs(F2))/2, so the ratio cannot exceed about
+2. Shots in equilibrium stay below a tenth.
 """
 INPUT_FORCE_RTOL = 0.02
-"""Bounds the error of F1 over the incident force, which adds to `IMBALANCE_LIMIT`.
+"""Largest error of F1 divided by the incident force.
 
-F1 is the difference of two waves, whose strains are right to 1 or 2 %. Between bars and
-a soft specimen it is much smaller than either of them.
+F1 is the difference of two waves, whose strains are known to 1 or 2 %. With a soft
+specimen, F1 is much smaller than the force of either wave.
 """
 
 
@@ -125,11 +129,12 @@ def doubts_of(
     shifts: Shifts,
     alignment: Alignment | None,
 ) -> tuple[str, ...]:
-    """Sentences on all doubts about a shot, which was aligned by `shifts`, s.
+    """Sentences on all doubts about a two-bar shot, which was aligned by `shifts`, s.
 
     They concern the size of the specimen, gauges of a bar that contradict each other,
     times of arrival, the alignment (unless it is None), and the balance of the forces.
-    The bars hold the strains as recorded, without the gains of a calibration.
+    The tuple is empty if there is no doubt. The bars hold the strains as recorded,
+    without the gains of a calibration.
     """
     doubts: list[str] = []
     doubts += _oversized_specimen(curve.specimen, bars)
@@ -153,7 +158,7 @@ def doubts_of_equal_forces(
     """Sentences on all doubts about a shot with one gauge a bar and equal forces.
 
     They concern the size of the specimen, opposite gauges, and times of arrival. The
-    waves overlap, so nothing is said about the reflected one.
+    reflected wave overlaps the incident one, so its arrival is not checked.
     """
     doubts: list[str] = []
     doubts += _oversized_specimen(specimen, bars)
@@ -170,7 +175,7 @@ def doubts_of_direct_impact(
     """Sentences on all doubts about a specimen and the gauges of its output bar.
 
     They concern the size of the specimen, gauges that contradict each other, and the
-    speed of the pulse that comes back from the far end.
+    measured speed of the echo from the far end of the bar.
     """
     doubts: list[str] = []
     doubts += _oversized_specimen(specimen, [bar])
@@ -201,13 +206,13 @@ def _oversized_specimen(
 ) -> Iterator[str]:
     """A doubt if the specimen is longer than a bar, and one if its section is larger.
 
-    A section may exceed that of a bar by `MAX_SECTION_RATIO`. Millimetres that are
-    given as metres make a specimen so large.
+    The section may be `MAX_SECTION_RATIO` times that of a bar. The usual cause of such
+    a large specimen is a length in millimetres that is given as metres.
     """
     shortest = math.inf
     smallest_section = math.inf
     for bar in bars:
-        segment = bar.rod.segments[0]  # the only one
+        segment = bar.rod.segments[0]  # bars are uniform: they have one segment
         shortest = min(shortest, float(bar.rod.length))
         section = float(np.asarray(segment.area))
         smallest_section = min(smallest_section, section)
@@ -218,7 +223,7 @@ def _oversized_specimen(
             f"a bar of {format_si(shortest, 'm', 3)}; {remedy}"
         )
     if specimen.section > MAX_SECTION_RATIO * smallest_section:
-        # Diameters of circles with these areas
+        # Diameters of circles with the areas of specimen and bar
         diameter = math.sqrt(4 * specimen.section / math.pi)
         bar_diameter = math.sqrt(4 * smallest_section / math.pi)
         yield (
@@ -229,18 +234,18 @@ def _oversized_specimen(
 
 
 def _unlike_opposite_gauges(bar: InstrumentedBar) -> Iterator[str]:
-    """A doubt for each pair of opposite gauges of which one records too little.
+    """A doubt for each pair of opposite gauges of which one records too little strain.
 
-    Of both records the component along their mean is compared, over the first pulse: a
-    gauge records too little if its component is less than `MIN_OPPOSITE_RATIO` of the
-    other. Nothing is said of a gauge without an opposite one.
+    The scalar product of each record with the mean of both, over the first pulse,
+    measures its strain. A gauge records too little if its product is less than
+    `MIN_OPPOSITE_RATIO` of that of the other gauge. A gauge without an opposite one is
+    skipped.
     """
     for gauge, pulse in zip(bar.gauges, bar.first_pulses, strict=True):
         if gauge.opposite is None:
             continue
         pair = _in_first_pulse(gauge, pulse)
-        # Each record is compared with the mean of both: sum(record mean) tells how
-        # strong it is.
+        # The bending strains of the two sides cancel in the mean.
         mean = (pair.signal + pair.opposite) / 2
         signal_share = float(pair.signal @ mean)
         opposite_share = float(pair.opposite @ mean)
@@ -271,14 +276,16 @@ class _OppositeStrains(NamedTuple):
 
 
 def _in_first_pulse(gauge: BarGauge, pulse: Pulse) -> _OppositeStrains:
-    """Both records of a gauge during its first pulse, less their means before it.
+    """Both records of a gauge during its first pulse, minus their levels at rest.
 
-    The gauge must have an opposite record. The samples are those from `pulse.start` on,
-    for the width of the pulse, in the unit of the records.
+    The gauge must have an opposite record. The samples are those from `pulse.start` to
+    one width of the pulse later, in the unit of the records. The level at rest is the
+    mean of the record before the pulse.
     """
     assert gauge.opposite is not None
     times = gauge.signal.times
-    # The pulse starts at a tenth of its plateau: its foot lies about one rise earlier.
+    # `pulse.start` is at a tenth of the plateau; the pulse begins up to one rise time
+    # earlier.
     is_rest = times < pulse.start - pulse.rise
     is_pulse = (times >= pulse.start) & (times <= pulse.start + pulse.width)
     signal = gauge.signal.values - gauge.signal.values[is_rest].mean()
@@ -287,16 +294,17 @@ def _in_first_pulse(gauge: BarGauge, pulse: Pulse) -> _OppositeStrains:
 
 
 def _unlike_stations(bar: InstrumentedBar) -> Iterator[str]:
-    """A doubt if the first pulse has another strain at the second of two gauges.
+    """A doubt if two gauges of a bar record different strains of the first pulse.
 
-    The record of the first gauge, propagated to the second one, predicts what that
-    records, while no other wave is at either gauge. The ratio of both must lie between
-    `MIN_STATION_RATIO` and its inverse. Nothing is said of one gauge, or if that time
-    is too short.
+    The record of the first gauge, propagated to the second gauge, predicts the record
+    there until another wave arrives. The ratio of record to prediction must lie between
+    `MIN_STATION_RATIO` and its inverse. There is no doubt for a bar with one gauge, or
+    if fewer than `MIN_COMPARED_SAMPLES` can be compared.
     """
     if len(bar.distances) < 2:
         return
-    first_distance = bar.distances[0]  # where the pulse arrives first
+    # Distances from the specimen, m; the pulse arrives at the first gauge first.
+    first_distance = bar.distances[0]
     second_distance = bar.distances[1]
     apart = abs(first_distance - second_distance)
     propagated = bar.propagated(bar.strains[0], apart)
@@ -324,45 +332,46 @@ def _unlike_stations(bar: InstrumentedBar) -> Iterator[str]:
 def _time_alone_at_second_gauge(bar: InstrumentedBar) -> float:
     """Time from the arrival of the first pulse at the second gauge to its return, s.
 
-    In the input bar it returns from the specimen, in the output bar from the far end.
+    In the input bar the pulse returns from the specimen, in the output bar from the far
+    end. The bar must have two gauges.
     """
     distance = float(bar.distances[1])  # from the specimen
     to_reflection = distance
     if bar.is_output:
         to_reflection = float(bar.rod.length) - distance
-    return 2 * to_reflection / bar.speed
+    return 2 * to_reflection / bar.speed  # there and back
 
 
 # Waves that arrive too early or too late
 
 
 class _Onset(NamedTuple):
-    """Times between which a pulse began, s.
-
-    The latest is that at a tenth of its plateau.
-    """
+    """Bounds of the time at which a pulse began, s."""
 
     earliest: float
-    latest: float
+    latest: float  # the pulse then has a tenth of its plateau
 
 
 def _onset(times: Floats, strain: Floats, pulse: Pulse) -> _Onset:
-    """Times between which a pulse with this timing began, s.
+    """Bounds of the time at which a pulse began, s.
 
-    The latest is `pulse.start`, where it has a tenth of its plateau. It takes no longer
-    up to there than `FOOT_TIME_RATIO` times the time from a tenth to a fifth: so much
-    before is the earliest.
+    The latest time is `pulse.start`, where the pulse has a tenth of its plateau. The
+    rise to a tenth takes at most `FOOT_TIME_RATIO` times as long as the rise from a
+    tenth to a fifth, which gives the earliest time.
     """
-    fifth = 2 * START_RATIO * abs(pulse.plateau)  # the ratio is a tenth
+    fifth = 2 * START_RATIO * abs(pulse.plateau)  # twice a tenth
     is_above = (times > pulse.start) & (np.abs(strain) >= fifth)
-    first_above = int(np.argmax(is_above))
+    first_above = int(np.argmax(is_above))  # index of the first such sample
     until_fifth = float(times[first_above]) - pulse.start
     earliest = pulse.start - FOOT_TIME_RATIO * until_fifth
     return _Onset(earliest, latest=pulse.start)
 
 
 def _first_onset(bar: InstrumentedBar, gauge: int = 0) -> _Onset:
-    """Times between which the first pulse began at a gauge of a bar."""
+    """Bounds of the time at which the first pulse began at a gauge of a bar, s.
+
+    `gauge` is the index of the gauge, 0 or 1.
+    """
     return _onset(bar.times, bar.strains[gauge], bar.first_pulses[gauge])
 
 
@@ -374,10 +383,10 @@ class _Delay(NamedTuple):
     at_tenth: float  # between the times at which both reach a tenth of their plateaus
 
     def contradicts(self, travel: float, later: float = 0.0) -> bool:
-        """Whether this delay excludes a travel time, s, that may be longer by `later`.
+        """Whether the delay is too long or too short for a predicted travel time, s.
 
-        The travel time may be off by `TRAVEL_RTOL` of itself. True if even then the
-        onsets are further apart, or nearer.
+        The travel time may have the relative error `TRAVEL_RTOL`, and may in addition
+        be longer by up to `later`, s.
         """
         slack = TRAVEL_RTOL * travel
         is_late = travel + slack + later < self.least
@@ -386,11 +395,11 @@ class _Delay(NamedTuple):
 
 
 def _delay(before: _Onset, after: _Onset) -> _Delay:
-    """Time from the onset of one pulse to that of a later one, s.
+    """Time from the onset of one pulse to the onset of a later one, s.
 
-    Each may have begun at any time from `earliest` to `latest`, so the result has a
-    least and a most time. At `latest` both have a tenth of their plateaus: pulses of
-    one shape have their onsets as far apart as these, `at_tenth`.
+    Each pulse may have begun at any time from `earliest` to `latest`, so the result has
+    bounds, `least` and `most`. At `latest` a pulse has a tenth of its plateau: if both
+    pulses have the same shape, the delay is `at_tenth`.
     """
     return _Delay(
         least=after.earliest - before.latest,
@@ -400,9 +409,10 @@ def _delay(before: _Onset, after: _Onset) -> _Delay:
 
 
 def _second_gauge_off_time(bar: InstrumentedBar) -> Iterator[str]:
-    """A doubt if the distance of two gauges contradicts the time between them.
+    """A doubt if the first pulse passes from gauge to gauge in an unexpected time.
 
-    Nothing is said of a bar with one gauge.
+    The expected time is the distance of the gauges divided by the bar speed. There is
+    no doubt for a bar with one gauge.
     """
     if len(bar.distances) < 2:
         return
@@ -410,7 +420,7 @@ def _second_gauge_off_time(bar: InstrumentedBar) -> Iterator[str]:
     travel = apart / bar.speed
     delay = _delay(_first_onset(bar, 0), _first_onset(bar, 1))
     if delay.contradicts(travel):
-        fitting = delay.at_tenth * bar.speed  # distance of gauges, m
+        fitting = delay.at_tenth * bar.speed  # distance that fits the delay, m
         yield (
             f"the pulse takes {format_si(delay.at_tenth, 's', 3)} from the first gauge "
             f"of the {_bar_name(bar)} to the second; their distance, "
@@ -421,9 +431,10 @@ def _second_gauge_off_time(bar: InstrumentedBar) -> Iterator[str]:
 
 
 def _reflected_wave_off_time(bar: InstrumentedBar) -> Iterator[str]:
-    """A doubt if the reflected wave comes at another time than the distance says.
+    """A doubt if the reflected wave does not arrive at the expected time.
 
-    Nothing is said of an input bar with two gauges, or if no reflected wave stands out.
+    The wave runs from the only gauge of the input bar to the specimen and back at the
+    bar speed. There is no doubt for two gauges, or if no reflected wave is found.
     """
     if len(bar.distances) > 1:
         return
@@ -434,7 +445,8 @@ def _reflected_wave_off_time(bar: InstrumentedBar) -> Iterator[str]:
     travel = 2 * distance / bar.speed
     delay = _delay(_first_onset(bar), reflected)
     if delay.contradicts(travel):
-        fitting = delay.at_tenth * bar.speed / 2  # distance of the gauge, m
+        # Distance of the gauge that fits the delay, m; the wave runs it twice.
+        fitting = delay.at_tenth * bar.speed / 2
         yield (
             f"the reflected wave arrives {format_si(delay.at_tenth, 's', 3)} after the "
             "incident wave; the distance of the input gauge, "
@@ -448,21 +460,23 @@ def _reflected_wave_off_time(bar: InstrumentedBar) -> Iterator[str]:
 def _reflected_onset(bar: InstrumentedBar) -> _Onset | None:
     """Onset of the first wave that passes the input gauge after the incident wave.
 
-    It is searched before the struck end returns a wave. None without a wave that
-    reaches `MIN_REFLECTED_RATIO` of the incident one, or if the record cuts it off.
+    The search ends when the reflected wave can be back from the struck end of the bar.
+    None if no wave reaches `MIN_REFLECTED_RATIO` of the incident strain, or if the
+    record cuts the wave off.
     """
     incident = bar.first_pulse
-    passed = incident.start + incident.width + incident.rise
-    # Back at the gauge, wherever it is, a wave has travelled the whole bar both ways.
+    passed = incident.start + incident.width + incident.rise  # the wave has gone by
+    # A wave that returns to the gauge after both reflections, at the specimen and at
+    # the struck end, has travelled twice the length of the bar, wherever the gauge is.
     returned = bar.pulse_start + 2 * float(bar.rod.length) / bar.speed
     between = (bar.times > passed) & (bar.times < returned)
     strain = bar.strains[0][between]
     times = bar.times[between]
     is_faint = np.abs(strain) < MIN_REFLECTED_RATIO * abs(incident.plateau)
-    # The fall of the incident wave, up to the first faint sample, is not yet the
-    # reflected one: `is_behind` is true from there on.
+    # `is_behind` is true from the first faint sample on: the samples before it are the
+    # end of the incident wave.
     is_behind = np.logical_or.accumulate(is_faint)
-    stands_out = not is_faint[is_behind].all()  # false, too, if no sample is behind
+    stands_out = not is_faint[is_behind].all()  # also false if no sample is behind
     if not stands_out:
         return None
     strain = strain[is_behind]
@@ -475,10 +489,10 @@ def _reflected_onset(bar: InstrumentedBar) -> _Onset | None:
 
 
 def _transmitted_wave_off_time(bars: InstrumentedBars, length: float) -> Iterator[str]:
-    """A doubt if the transmitted wave comes at another time than distances say.
+    """A doubt if the transmitted wave does not arrive at the expected time.
 
-    A specimen of this length, m, may make it late, as a wave of
-    `SLOWEST_SPECIMEN_SPEED` in it would.
+    The expected time follows from distances of gauges and bar speeds. The specimen, of
+    this `length`, m, may delay the wave by up to length/`SLOWEST_SPECIMEN_SPEED`.
     """
     input_distance = float(bars.input.distances[0])
     output_distance = float(bars.output.distances[0])
@@ -486,7 +500,7 @@ def _transmitted_wave_off_time(bars: InstrumentedBars, length: float) -> Iterato
     output_speed = bars.output.speed
     travel = input_distance / input_speed + output_distance / output_speed
     delay = _delay(_first_onset(bars.input), _first_onset(bars.output))
-    # The specimen makes the wave late only, by its own travel time at most.
+    # The specimen can only delay the wave, at most by the travel time in it.
     longest_in_specimen = length / SLOWEST_SPECIMEN_SPEED
     if delay.contradicts(travel, later=longest_in_specimen):
         yield (
@@ -503,17 +517,18 @@ def _transmitted_wave_off_time(bars: InstrumentedBars, length: float) -> Iterato
 
 
 def _echo_off_time(bar: InstrumentedBar) -> Iterator[str]:
-    """A doubt if the pulse from the far end of the output bar has another bar speed.
+    """A doubt if the echo in the output bar contradicts the bar speed.
 
-    E and density of the bar say a wave speed; the pulse that comes back measures it.
-    They may differ by `ECHO_RTOL`. Without such a pulse (a record too short, a trap or
-    a damper at the far end) nothing is said.
+    The echo is the first pulse after its reflection at the far end; it measures the bar
+    speed. This speed may differ from that of E and density by `ECHO_RTOL`. There is no
+    doubt without an echo (record too short, a trap or a damper at the far end).
     """
     speed = _speed_of_echo(bar)
     if speed is None or abs(speed / bar.speed - 1) <= ECHO_RTOL:
         return
     density = float(bar.rod.segments[0].material.density)
-    modulus = format_si(density * speed**2, "Pa", digits=4)
+    modulus = format_si(density * speed**2, "Pa", digits=4)  # E = rho c^2
+    # The stress is proportional to E.
     stress_error = _percent(abs((bar.speed / speed) ** 2 - 1))
     yield (
         "the transmitted wave comes back from the far end of the output bar at "
@@ -525,20 +540,21 @@ def _echo_off_time(bar: InstrumentedBar) -> Iterator[str]:
 
 
 def _speed_of_echo(bar: InstrumentedBar) -> float | None:
-    """Speed of the first pulse of an output bar to the far end and back, m/s.
+    """Bar speed of an output bar, m/s, measured by the echo of its first pulse.
 
-    The first pulse is propagated to the far end and back, with its sign reversed, and
-    shifted against the record. None is returned without a clear echo: if the record is
-    too short, if the pulse is not over when its echo arrives, or if the record does not
-    fit the prediction.
+    The echo is predicted: the first pulse, propagated to the far end and back to the
+    first gauge with its sign reversed. The best shift of this prediction against the
+    record gives the speed. None without a clear echo: if the record is too short, if
+    the pulse is not over when its echo arrives, or if the record does not fit.
     """
-    # Distances of gauges are those from the specimen, m.
+    # The distance of a gauge is measured from the specimen, m.
     to_far_end = float(bar.rod.length) - float(bar.distances[0])
     path = 2 * to_far_end
     travel = path / bar.speed  # s
-    slack = ECHO_SEARCH_RTOL * travel  # s
+    slack = ECHO_SEARCH_RTOL * travel  # largest shift, s
     pulse = bar.first_pulse
-    # The width is that at half height: each foot may take one more rise time.
+    # The width is measured at half height: the rise before and the fall after it add
+    # up to one rise time each.
     pulse_end = pulse.start + pulse.width + 2 * pulse.rise
     # The echo is expected between these times.
     echo_start = pulse.start + travel - slack
@@ -552,7 +568,7 @@ def _speed_of_echo(bar: InstrumentedBar) -> float | None:
     predicted = TimeSeries(bar.times, -bar.propagated(passing, path))
     is_echo = (bar.times >= echo_start) & (bar.times <= echo_end)
     recorded = TimeSeries(bar.times[is_echo], bar.strains[0][is_echo])
-    # The far end may return only a part of the pulse: any positive scale is accepted.
+    # The far end may return only a part of the pulse, so the scale is free.
     misfit = misfit_of(
         recorded, predicted, shift_range=(-slack, slack), scale_range=None
     )
@@ -565,7 +581,7 @@ def _speed_of_echo(bar: InstrumentedBar) -> float | None:
 
 
 def _shifts_at_limit(shifts: Shifts, limit: float) -> Iterator[str]:
-    """A doubt for each wave whose shift, s, to either side is at the limit, s."""
+    """A doubt for each wave whose shift, s, of either sign, is at the limit, s."""
     for wave, shift in shifts._asdict().items():
         if abs(shift) >= (1 - SHIFT_LIMIT_RTOL) * limit:
             yield (
@@ -596,9 +612,9 @@ def _balance_made_worse(alignment: Alignment) -> Iterator[str]:
 def _forces_out_of_balance(curve: Curve, impedance: float) -> Iterator[str]:
     """A doubt if the forces on both faces differ on the plateau of the output force.
 
-    Medians over the plateau are compared. The limit is `IMBALANCE_LIMIT` of the mean
-    force, and `INPUT_FORCE_RTOL` of the incident force, which has an error of its own.
-    `impedance` is that of the input bar, Z, kg/s.
+    The median of abs(F1 - F2) over the plateau is compared with a limit: the sum of
+    `IMBALANCE_LIMIT` times the mean force and `INPUT_FORCE_RTOL` times the largest
+    incident force. `impedance` is Z of the input bar, kg/s.
     """
     output_size = np.abs(curve.output_force)
     is_plateau = output_size >= PLATEAU_RATIO * output_size.max()
@@ -606,8 +622,8 @@ def _forces_out_of_balance(curve: Curve, impedance: float) -> Iterator[str]:
     output_force = curve.output_force[is_plateau]
     mean_size = float(np.median(np.abs(input_force) + np.abs(output_force))) / 2
     difference = float(np.median(np.abs(input_force - output_force)))
-    # The force F1 = Z c (i + r) and Z v1 = Z c (i - r) give that of the incident wave,
-    # Z c i.
+    # The incident strain i and the reflected strain r make the force F1 = Z c (i + r)
+    # and the velocity v1 = c (i - r): the incident force is Z c i = (F1 + Z v1)/2.
     incident_force = (curve.input_force + impedance * curve.input_velocity) / 2
     input_error = INPUT_FORCE_RTOL * np.abs(incident_force).max()
     limit = IMBALANCE_LIMIT * mean_size + input_error

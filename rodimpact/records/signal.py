@@ -39,12 +39,12 @@ from .comparison import Bounds, Misfit, Range, TimeSeries, misfit_of
 from .pulses import Pulse, pulse_of
 
 EQUAL_STEP_RTOL = 0.05
-"""Bounds the distance of times from equal steps, over a step.
+"""Largest difference between a time and the one of equal steps, divided by the step.
 
 Times are rounded in files.
 """
 RECORD_END_RTOL = 1e-9
-"""Bounds the distance of a time beyond the end of a record, over its length."""
+"""Largest time beyond an end of a record that counts as this end, over its length."""
 
 
 class Signal(Frozen):
@@ -108,14 +108,15 @@ class Signal(Frozen):
     ) -> None:
         """Check the arguments, and keep values and times as read-only arrays.
 
-        The times follow from `start` and `dt` if these are given in their place.
-        InvalidModel for a wrong argument, such as a known unit that is not one of SI.
+        Without `times`, they are computed from `start` and `dt`. InvalidModel for a
+        wrong argument, such as "ms", a known unit that is not an SI unit. An unknown
+        unit is accepted.
         """
         _check_word("unit", unit)
         _check_word("name", name)
-        conversion = units.conversion(unit)
+        conversion = units.conversion(unit)  # None for an unknown unit
         if conversion is not None and conversion.factor != 1:
-            si_unit = "units"
+            si_unit = "units"  # for a dimensionless unit such as "%"
             if conversion.unit:
                 si_unit = conversion.unit
             message = f"must be an SI unit, got {shown(unit)}; give the values in "
@@ -163,9 +164,9 @@ class Signal(Frozen):
         Raises
         ------
         ValueError
-            If the steps are not equal.
+            If the steps are not equal, apart from rounded times.
         """
-        count = len(self.times) - 1
+        count = len(self.times) - 1  # number of steps
         step = (self.end - self.start) / count
         equal = self.start + step * np.arange(count + 1)
         is_off = np.abs(self.times - equal) > EQUAL_STEP_RTOL * step
@@ -190,8 +191,8 @@ class Signal(Frozen):
     def at(self, t: ArrayLike) -> Number:
         """Values at times in s, linear between samples; a float for a single time.
 
-        ValueError outside of the record. A time beyond an end by no more than
-        round-off, `RECORD_END_RTOL`, has the value there.
+        ValueError for a time outside the record. A time that is beyond an end of the
+        record by round-off only (`RECORD_END_RTOL`) has the value at this end.
         """
         t = array("t", t, "s")
         slack = RECORD_END_RTOL * (self.end - self.start)
@@ -222,7 +223,8 @@ class Signal(Frozen):
             raise invalid_argument("dt", "give either dt or times")
         if times is None:
             step = scalar("dt", dt, "s", "positive")
-            # Rounded down below, but round-off must not cost the last step.
+            # `int` rounds this number down; the last factor keeps the last step in
+            # spite of round-off.
             steps = (self.end - self.start) / step * (1 + 1e-12)
             if not 1 <= steps < filters.MAX_SAMPLES:
                 message = f"{step} makes {steps + 1:.3g} samples of {self._title}"
@@ -233,11 +235,11 @@ class Signal(Frozen):
         return self.replace(values=self.at(times), times=times)
 
     def shifted(self, delay: float) -> Signal:
-        """Return the signal later by a delay, s."""
+        """Return the signal with `delay`, s, added to all times; it may be negative."""
         return self.replace(times=self.times + scalar("delay", delay, "s"))
 
     def window(self, start: float, end: float) -> Signal:
-        """Return the samples from start to end, s.
+        """Return the samples from start to end, s, both included.
 
         ValueError if there are fewer than two.
         """
@@ -245,9 +247,10 @@ class Signal(Frozen):
         return self.replace(values=self.values[inside], times=self.times[inside])
 
     def extended(self, before: float = 0.0, after: float = 0.0) -> Signal:
-        """Return the signal longer by these times, s, in whole steps, rounded up.
+        """Return the signal with samples added over these times, s, at both ends.
 
-        The first value is added before the record, the last value after it. Extend a
+        The times are rounded up to whole steps. All samples added before the record
+        have its first value, those added after it have its last value. Extend a
         record that begins just before its pulse: `low_pass` and `propagated` widen the
         pulse beyond the record.
 
@@ -260,6 +263,7 @@ class Signal(Frozen):
         step = self.dt
         n_before = _number_of_steps("before", before, step)
         n_after = _number_of_steps("after", after, step)
+        # Steps before the start: n_before, ..., 2, 1
         times_before = self.start - step * np.arange(n_before, 0, -1)
         times_after = self.end + step * np.arange(1, n_after + 1)
         times = np.concatenate((times_before, self.times, times_after))
@@ -267,14 +271,14 @@ class Signal(Frozen):
         return self.replace(values=values, times=times)
 
     def baseline(self, start: float, end: float) -> Signal:
-        """Return the signal minus its mean from start to end, s.
+        """Return the whole signal minus its mean value from start to end, s.
 
-        ValueError if fewer than two samples lie there.
+        ValueError if fewer than two samples lie between these times.
         """
         return self - float(self.values[self._within(start, end)].mean())
 
     def _within(self, start: float, end: float) -> Any:
-        """Which samples lie between these times, s, or at them: booleans, [sample].
+        """Booleans, [sample]: true from time `start` to time `end`, s, both included.
 
         InvalidModel if there are fewer than two.
         """
@@ -305,8 +309,9 @@ class Signal(Frozen):
         kind : str
             ``"gaussian"`` has no delay and suits data. ``"first-order"`` and
             ``"second-order"`` (Butterworth) are amplifiers: their output depends on the
-            past only. Before the record its first value holds, after it the last value.
-            If a record begins with its pulse, use `extended` before.
+            past only. The filter continues the record with its first value before it
+            and with its last value after it. If a record begins with its pulse, call
+            `extended` first.
 
         Raises
         ------
@@ -323,7 +328,7 @@ class Signal(Frozen):
         """
         check_choice("kind", kind, filters.LOW_PASS)
         f = scalar("frequency", frequency, "Hz", "positive")
-        if f * self.dt >= 0.5:
+        if f * self.dt >= 0.5:  # half of the sampling rate, 1/dt
             rate = units.format_si(1 / self.dt, "Hz")
             raise invalid_argument(
                 "frequency", f"must be below half of the sampling rate, {rate}, got {f}"
@@ -334,7 +339,7 @@ class Signal(Frozen):
     def propagated(
         self, distance: float, bar: Any, *, radius: float | None = None
     ) -> Signal:
-        """Return the pulse at another place of a round bar, by the exact first mode.
+        """Return the pulse at another position on a round bar, by the exact first mode.
 
         Each frequency of the record runs at its own phase velocity. Frequencies above
         the cut-off of the first mode, `waves.CUT_OFF`, are removed, in both directions.
@@ -379,7 +384,8 @@ class Signal(Frozen):
             waves.Bar,
             "waves.Bar(wave_speed=5000, poisson_ratio=0.3, radius=0.01)",
         )
-        # The values change their shape; the times get the travel time of long waves.
+        # `dispersed` changes the shape only; the travel time of long waves is added to
+        # the times.
         values = filters.dispersed(self.values, self.dt, z, bar)
         return self.replace(values=values, times=self.times + z / bar.wave_speed)
 
@@ -420,7 +426,7 @@ class Signal(Frozen):
         length = scalar("gauge_length", gauge_length, "m", "non-negative")
         if not is_integer(order) or order not in (1, 2):
             raise invalid_argument("order", f"must be 1 or 2, got {shown(order)}")
-        if length or wave_speed is not None:
+        if length or wave_speed is not None:  # `scalar` refuses a missing speed
             c = scalar("wave_speed", wave_speed, "m/s", "positive")
             averaged = filters.averaged(self.values, self.times, length / c)
             signal = self.replace(values=averaged)
@@ -463,7 +469,8 @@ class Signal(Frozen):
         Parameters
         ----------
         other : Signal
-            The prediction. Before it its first value holds, after it its last value.
+            The prediction. It is continued by its first value before its start and by
+            its last value after its end.
         shift : float or (float, float), optional
             Delay of the prediction, s: a fixed value, or bounds. By default the delay
             with the smallest misfit at which the two signals overlap.
@@ -481,7 +488,7 @@ class Signal(Frozen):
         ------
         ValueError
             If a scale is given and the units differ, if this signal is 0 everywhere, or
-            if bounds are not two numbers in order.
+            if bounds are not two increasing numbers.
 
         Examples
         --------
@@ -503,9 +510,9 @@ class Signal(Frozen):
         )
 
     def _require_same_unit(self, other: Signal, what_cannot_be: str) -> None:
-        """Raise ValueError unless both have one unit.
+        """Raise ValueError unless both signals have the same unit.
 
-        Its message ends with "they cannot be", and `what_cannot_be`.
+        The message ends with "they cannot be" and the text `what_cannot_be`.
         """
         if self.unit != other.unit:
             raise ValueError(
@@ -514,10 +521,10 @@ class Signal(Frozen):
             )
 
     def _operand(self, other: Any, done: str) -> Any:
-        """The addend: a number in `unit`, or the values of a signal at the same times.
+        """The addend: a number in `self.unit`, or the array of values of a signal.
 
-        ValueError for a signal of another unit or other times, and for an array.
-        `done` is what is done with it, in errors: "added" or "subtracted".
+        ValueError for a signal of another unit or with other times, and for an array.
+        `done` is the participle in error messages: "added" or "subtracted".
         """
         if not isinstance(other, Signal):
             return _single_number(other, self.unit)
@@ -539,12 +546,13 @@ class Signal(Frozen):
         return self.replace(values=self.values * _single_number(number, ""))
 
     def __truediv__(self, number: float) -> Signal:
-        """The signal divided by a number.
+        """The signal divided by a dimensionless number.
 
-        InvalidModel for a number of less than `SMALLEST` in size, and for an array or
-        another signal.
+        InvalidModel for a number whose absolute value is below `SMALLEST`, and for an
+        array or another signal.
         """
         divisor = _single_number(number, "")
+        # The doubled braces leave {0!r} in the text, which `demand` replaces.
         message = f"must not be 0, but {SMALLEST:g} or more in size, got {{0!r}}"
         demand(abs(divisor) >= SMALLEST, "number", message, divisor)
         return self.replace(values=self.values / divisor)
@@ -594,8 +602,9 @@ class Signal(Frozen):
     def to_xarray(self) -> Any:
         """Return an xarray DataArray over ``time``, with units (extra ``xarray``).
 
-        It has the name of the signal, or None. Its attributes are ``units``, "1" for a
-        signal without dimension, and ``long_name``.
+        The name of the array is that of the signal, or None for an empty name. The
+        attribute ``units`` is "1" for a dimensionless signal; ``long_name`` is the
+        name, or "signal".
         """
         xarray = optional("xarray", "xarray")
         time = ("time", self.times, {"long_name": "time", "units": "s"})
@@ -610,9 +619,9 @@ class Signal(Frozen):
 
     @classmethod
     def from_xarray(cls, data: Any) -> Signal:
-        """Make a signal in SI units from a DataArray over time, with its name.
+        """Make a signal in SI units, with the same name, from a DataArray over time.
 
-        Its values and times have an attribute ``units``.
+        The array and its time coordinate must have an attribute ``units``.
 
         Raises
         ------
@@ -639,19 +648,21 @@ class Signal(Frozen):
 
 
 def signal_of(values: Floats, times: Floats, unit: str, name: str) -> Signal:
-    """A signal that holds these arrays themselves, so that memory is not taken twice.
+    """A signal that holds these arrays themselves, not copies, to save memory.
 
-    They are checked and read-only, and nobody else changes them.
+    The caller has checked the arrays and made them read-only; they are not changed
+    later.
     """
+    # Signal.__init__, which copies the arrays, is not called.
     signal = object.__new__(Signal)
     signal._set(values=values, times=times, unit=unit, name=name)
     return signal
 
 
 def _single_number(number: Any, unit: str) -> float:
-    """A term or factor of all samples, in this unit, as a number.
+    """A term or factor for all samples as a float; a quantity is converted to `unit`.
 
-    InvalidModel, with the remedy, for an array and for what is no number.
+    InvalidModel for an array, and for an argument that is not a number.
     """
     checked = array("number", number, unit, "any")
     if checked.ndim:
@@ -663,9 +674,10 @@ def _single_number(number: Any, unit: str) -> float:
 
 
 def _samples(name: str, numbers: Any, unit: str) -> Array:
-    """Samples in this unit as a new array, which is read-only.
+    """Samples in this unit as a new read-only array, shape (n,).
 
-    InvalidModel for fewer than two, and for samples that are not finite.
+    InvalidModel, which names the argument `name`, for fewer than two samples, and for
+    samples that are not finite.
     """
     samples = array(name, numbers, unit, "any")
     if samples.ndim != 1 or samples.size < 2:
@@ -677,13 +689,13 @@ def _samples(name: str, numbers: Any, unit: str) -> Array:
 
 
 def _check_word(name: str, word: Any) -> None:
-    """InvalidModel if an argument is no text that can be printed; "" is one."""
+    """Raise InvalidModel unless the argument is a printable text; "" is allowed."""
     if not isinstance(word, str) or not word.isprintable():
         raise invalid_argument(name, f"must be a word, got {shown(word)}")
 
 
 def _unit_text(unit: str) -> str:
-    """Name of a unit in messages."""
+    """Name of a unit in messages; "pure numbers" for ""."""
     if unit:
         return unit
     return "pure numbers"
@@ -693,19 +705,20 @@ def _number_of_steps(name: str, duration: Any, step: float) -> int:
     """Least number of steps of `step`, s, that cover a duration, s.
 
     InvalidModel, which names the argument `name`, if the duration is negative or takes
-    more than `MAX_SAMPLES`.
+    `MAX_SAMPLES` steps or more.
     """
-    steps = scalar(name, duration, "s") / step  # no whole number yet
+    steps = scalar(name, duration, "s") / step  # not rounded yet
     if not 0 <= steps < filters.MAX_SAMPLES:
         message = f"must be 0 or more, and at most {filters.MAX_SAMPLES} samples"
         raise invalid_argument(name, f"{message}, got {duration}")
-    return math.ceil(steps * (1 - 1e-12))  # so that round-off does not add a step
+    return math.ceil(steps * (1 - 1e-12))  # the factor: round-off must not add a step
 
 
 def bounds_of(name: str, bounds: Any, unit: str) -> Range | None:
-    """Lower and upper bound from a pair; a single number is both, None stays None.
+    """The pair (lower bound, upper bound) in `unit`; None stays None.
 
-    InvalidModel for anything else than one number, or two in increasing order.
+    A single number is both bounds. InvalidModel, which names the argument `name`, for
+    anything else than one number, or two numbers of which the first is not the larger.
     """
     if bounds is None:
         return None
