@@ -1,9 +1,9 @@
 """Calibration of one bar: wave speed and Poisson ratio from a pulse at two distances.
 
-The pulse is recorded where it passes first and farther on, by two gauges or by one
-gauge twice. The first record, propagated by the exact first mode, must be the second
-one. Its arrival tells the bar speed c0, its change of shape tells Poisson's ratio. No
-end of the bar matters.
+The same pulse is recorded twice, by two gauges, or by one gauge before and after a
+reflection. The first record, propagated by the exact first mode, must agree with the
+second one. The arrival time determines the bar speed c0, the change of shape determines
+Poisson's ratio. The length of the bar is not used.
 """
 
 from __future__ import annotations
@@ -26,19 +26,19 @@ from .pulses import plateau
 from .signal import Signal
 
 SEARCHED_SPEED_RTOL = 0.1
-"""Bounds the difference of the bar speed from the given one, over the latter."""
+"""Largest relative error of the given bar speed."""
 USUAL_POISSON_RATIO = 0.3
-"""Where the search begins if the material has none."""
+"""Poisson's ratio at which the search begins if the material has none."""
 POISSON_BOUNDS = (0.0, 0.499)
 """Bounds of the search for Poisson's ratio."""
 SPEED_STEP = 1e-6
-"""Step of the differences by the bar speed, relative."""
+"""Relative step of the bar speed in finite differences."""
 POISSON_STEP = 1e-3
-"""Step of the differences by Poisson's ratio."""
+"""Step of Poisson's ratio in finite differences."""
 SEARCH_TOLERANCE = 1e-6
 """Relative change of the cost or of the numbers at which the search ends."""
 MIN_COMPARED_SAMPLES = 32
-"""Samples of the second record that the first one predicts, at least."""
+"""Least number of samples of the second record that may contain the pulse."""
 GOOD_MISFIT = 0.05
 """Misfit over the plateau above which the two records are not one pulse."""
 
@@ -54,14 +54,16 @@ class BarCalibration:
         The bar with the measured wave speed and Poisson ratio; its density is
         unchanged.
     wave_speed, wave_speed_error : float
-        c0 and its standard error, m/s. The error of the distance, relative, adds to it.
+        c0 and its standard error, m/s. The error of the distance is not included: it
+        causes the same relative error of c0.
     poisson_ratio, poisson_ratio_error : float
     gain, gain_error : float
-        Factor from the first record to the second one, where the pulse passes there:
-        the ratio of the gains of the gauges, negative after a reflection at a free end.
+        Factor from the propagated first record to the second record: the ratio of the
+        gains of the gauges, negative after a reflection at a free end.
     misfit : float
-        Root mean square of the difference of the second record and its prediction, both
-        below the cut-off frequency of the first mode, over the plateau.
+        Root mean square of the difference between the second record and its prediction,
+        divided by the plateau. Both contain only the frequencies below the cut-off
+        frequency of the first mode.
 
     Examples
     --------
@@ -93,7 +95,7 @@ class BarCalibration:
     def __str__(self) -> str:
         """Wave speed, Poisson ratio, gain, their standard errors, and the misfit.
 
-        Each has a line. A misfit above `GOOD_MISFIT` adds a line of doubt.
+        They stand in four lines. A misfit above `GOOD_MISFIT` adds a line of doubt.
         """
         lines = [
             f"wave speed: {self.wave_speed:.2f} +- {self.wave_speed_error:.2f} m/s",
@@ -119,13 +121,13 @@ def calibrate_bar(
     Parameters
     ----------
     first : Signal
-        The pulse where it passes first, from rest before it; cut by `Signal.window`
-        before any other wave.
+        The pulse at the gauge that it passes first, with some rest before it. Cut other
+        waves off with `Signal.window`.
     second : Signal
-        The pulse at the other distance, on the same clock.
+        The pulse in the second record, with the same zero of time.
     distance : float
-        The way of the pulse between both records, m: from gauge to gauge, also through
-        the joint of two equal bars, or from a gauge to the free end and back.
+        Path of the pulse between both records, m: from gauge to gauge, also through the
+        joint of two equal bars, or from a gauge to the free end and back.
     bar : Rod
         Uniform and round. Errors of its wave speed up to 10 % are corrected. Its
         Poisson ratio may be missing.
@@ -141,9 +143,9 @@ def calibrate_bar(
 
     Notes
     -----
-    Least squares over c0, nu, a gain and an offset; the offset is left out of the
-    result. The standard errors follow from the residual, which counts as noise that is
-    white below the cut-off frequency.
+    c0, nu, a gain and an offset are fitted by least squares; the result leaves out the
+    offset. The standard errors are computed from the residual as if it were white noise
+    below the cut-off frequency.
 
     Examples
     --------
@@ -189,14 +191,14 @@ def calibrate_bar(
 
 
 def _with_poisson_ratio(bar: Rod, poisson_ratio: float) -> Rod:
-    """The bar with another Poisson ratio."""
+    """The bar, which has one segment, with another Poisson ratio."""
     segment = bar.segments[0]
     material = segment.material.replace(poisson_ratio=poisson_ratio)
     return bar.replace(segments=[segment.replace(material=material)])
 
 
 class _Numbers(NamedTuple):
-    """Numbers that are found, or their errors."""
+    """The four fitted numbers, or their standard errors."""
 
     speed: float  # c0, m/s
     nu: float
@@ -209,18 +211,18 @@ class _Pair(NamedTuple):
 
     first: Signal
     second: Signal
-    distance: float  # from one to the other, m
+    distance: float  # path of the pulse between both records, m
     start: _Numbers
     radius: float  # of the bar, m
     compared: Any  # [sample of second] bool: the first record predicts this sample
     level: float  # plateau of the second record, in its unit
 
     def prediction(self, speed: float, nu: float) -> Floats:
-        """The first record, propagated over the distance, at the compared times.
+        """The first record, propagated over the distance, [compared sample].
 
-        `speed` is c0, m/s, and `nu` Poisson's ratio. Gain and offset are left out.
-        Between its samples the record is a cubic spline, beyond its ends its first and
-        its last value.
+        `speed` is c0, m/s, and `nu` Poisson's ratio. Gain and offset are not applied.
+        The record is interpolated by a cubic spline, and continued by its first and its
+        last value.
         """
         from scipy.interpolate import CubicSpline
 
@@ -237,7 +239,8 @@ class _Pair(NamedTuple):
         The cut-off of the first mode follows from `speed`, c0 in m/s, and Poisson's
         ratio `nu`.
         """
-        # Over no distance nothing disperses; frequencies above the cut-off are removed.
+        # Over the distance 0 the pulse keeps its shape: `dispersed` only removes the
+        # frequencies above the cut-off.
         bar = waves.Bar(speed, nu, self.radius)
         carried = filters.dispersed(
             self.second.values, self.second.dt, distance=0.0, bar=bar
@@ -246,9 +249,9 @@ class _Pair(NamedTuple):
         return compared
 
     def residuals(self, numbers: _Numbers) -> Floats:
-        """Prediction less second record, divided by the plateau, [compared sample].
+        """Prediction minus second record, divided by the plateau, [compared sample].
 
-        The prediction has the gain and the offset of the numbers.
+        The prediction includes gain and offset.
         """
         predicted = self.prediction(numbers.speed, numbers.nu)
         recorded = self.record(numbers.speed, numbers.nu)
@@ -261,13 +264,14 @@ def _pair_with_estimate(
 ) -> _Pair:
     """Both records with a first estimate of bar speed and gain.
 
-    The first record, propagated over the distance, m, in the given bar, is shifted
-    against the second one by up to `SEARCHED_SPEED_RTOL` of the travel time, to where
-    it fits best. InvalidModel if the second record does not contain these times, or if
-    the best shift is at its limit. The offset begins at 0, nu at that of the bar.
+    The first record is propagated over the distance, m, in the given bar. Its best
+    shift against the second record, at most `SEARCHED_SPEED_RTOL` of the travel time,
+    gives the bar speed. The search begins with the offset 0 and with nu of the bar.
+    InvalidModel if the second record has too few samples at these times, or if the best
+    shift is at its limit.
     """
     travel = distance / bar.wave_speed
-    slack = SEARCHED_SPEED_RTOL * travel
+    slack = SEARCHED_SPEED_RTOL * travel  # largest shift, s
     moved = first.propagated(distance, bar)
     earliest = max(second.start, moved.start - slack)
     latest = min(second.end, moved.end + slack)
@@ -287,7 +291,8 @@ def _pair_with_estimate(
             "distance", f"{message}; correct the distance, or the bar's wave speed"
         )
     measured_travel = travel + misfit.shift
-    # The first record predicts the second one between these times.
+    # The times of the first record plus the travel time: the second record is compared
+    # between these.
     start_there = first.start + measured_travel
     end_there = first.end + measured_travel
     compared = (second.times >= start_there) & (second.times <= end_there)
@@ -310,19 +315,19 @@ def _pair_with_estimate(
 
 
 class _SearchEnd(NamedTuple):
-    """End of the least-squares search."""
+    """Result of the least-squares search."""
 
     values: _Numbers
     errors: _Numbers  # standard errors
-    misfit: float
+    misfit: float  # rms of the residuals, which are relative to the plateau
 
 
 def _least_squares(pair: _Pair) -> _SearchEnd:
     """Best numbers, their standard errors and the misfit, by least squares.
 
-    The numbers are speed, nu, gain and offset; the misfit is the rms of the residuals.
-    The search runs over variables x = 1 + (number - start)/unit, which begin at 1. The
-    unit of nu is 1, that of the offset the plateau, those of the others their starts.
+    The numbers are speed, nu, gain and offset. The search runs over dimensionless
+    variables x = 1 + (number - start)/unit, which begin at 1. The unit of speed and
+    gain is the start value, that of nu is 1, and that of the offset is the plateau.
     """
     from scipy.optimize import least_squares
 
@@ -334,18 +339,19 @@ def _least_squares(pair: _Pair) -> _SearchEnd:
     )
 
     def numbers_at(x: Floats) -> _Numbers:
-        """The numbers that these variables stand for."""
+        """The numbers for these values of the variables."""
         numbers = start + units * (x - 1.0)
         return _Numbers(*numbers.tolist())
 
     def residuals(x: Floats) -> Floats:
-        """Prediction less second record, divided by the plateau, [sample]."""
+        """Prediction minus second record, divided by the plateau, [compared sample]."""
         return pair.residuals(numbers_at(x))
 
     def jacobian(x: Floats) -> Floats:
-        """Derivatives of the residuals by the variables x, [sample, variable].
+        """Derivatives of the residuals by the variables x, [compared sample, variable].
 
-        Those by speed and nu are differences; gain and offset enter linearly.
+        Those by speed and nu are finite differences; those by gain and offset, which
+        enter linearly, are exact.
         """
         numbers = numbers_at(x)
         predicted = pair.prediction(numbers.speed, numbers.nu)
@@ -358,7 +364,7 @@ def _least_squares(pair: _Pair) -> _SearchEnd:
             predicted / pair.level,
             np.full(len(here), 1 / pair.level),
         ]
-        # A number grows by its unit while its variable x grows by 1.
+        # Chain rule: d number/dx is the unit of the number.
         by_variables: Floats = np.stack(by_numbers, axis=1) * units
         return by_variables
 
@@ -380,7 +386,8 @@ def _least_squares(pair: _Pair) -> _SearchEnd:
     bar = waves.Bar(pair.start.speed, pair.start.nu, pair.radius)
     mean_square = float(np.mean(end.fun**2))  # `fun`: the residuals at the end
     # Noise below the cut-off frequency has two independent samples in each period of
-    # that frequency. Fewer independent samples make larger errors.
+    # that frequency. Their share of all samples enters the covariance, as only
+    # independent samples reduce the error.
     independent_share = min(1.0, 2 * bar.cut_off * pair.second.dt)
     covariance = np.linalg.inv(end.jac.T @ end.jac) * mean_square / independent_share
     errors = units * np.sqrt(np.diag(covariance))  # of the numbers, not of x

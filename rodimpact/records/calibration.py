@@ -30,21 +30,21 @@ from .instrumented_bar import InstrumentedBar, InstrumentedBars
 from .signal import Signal
 
 TRAVEL_RANGE_RTOL = 0.1
-"""Bounds the error of the travel times of the given bars, over these times."""
+"""Largest relative error of the travel times that follow from the given bars."""
 PULSE_THRESHOLD = 0.15
-"""Smallest strain that counts to a pulse, over its largest."""
+"""Samples belong to a pulse if their strain exceeds this part of the largest one."""
 SPEED_ITERATIONS = 3
-"""Iterations for a wave speed.
+"""Number of iterations for a wave speed.
 
-The dispersion that predicts the pulse depends on the wave speed.
+The predicted pulse depends on the wave speed, since the dispersion does.
 """
 
 
 REFLECTED_LIMIT = 0.03
-"""Bounds the difference of the reflected strain from that of the impedances.
+"""Largest difference of the reflected strain from the one expected from the impedances.
 
-It is relative to the incident strain. Faces that are clean and aligned reflect 1 or 2 %
-more than the impedances tell.
+The difference is relative to the incident strain. Faces that are clean and aligned
+reflect 1 or 2 % more than expected.
 """
 
 
@@ -128,11 +128,10 @@ class Calibration:
 
     @property
     def doubts(self) -> tuple[str, ...]:
-        """Contradictions between records and bars, as sentences: at most one.
+        """Contradictions between records and bars, as sentences: none or one.
 
-        The joint reflects another strain than the impedances tell, by more than
-        `REFLECTED_LIMIT` of the incident strain. The sentence has the numbers, the
-        limit and a remedy.
+        There is one if `reflected` and `expected` differ by more than
+        `REFLECTED_LIMIT`. The sentence gives both numbers, the limit and a remedy.
         """
         if abs(self.reflected - self.expected) <= REFLECTED_LIMIT:
             return ()
@@ -148,7 +147,8 @@ class Calibration:
     def __str__(self) -> str:
         """Table with a column for each bar, reflection at the joint, and doubts.
 
-        Bending without gauges on both sides is "-". Each doubt has a line.
+        "-" stands for the bending of a bar without gauges on both sides. Each doubt has
+        a line.
         """
         columns = [["", "wave speed", "gain", "noise/plateau", "bending/plateau"]]
         for k, title in enumerate(("input bar", "output bar")):
@@ -166,7 +166,7 @@ class Calibration:
                     bending_text,
                 ]
             )
-        rows = list(zip(*columns, strict=True))
+        rows = list(zip(*columns, strict=True))  # transposed
         lines = [
             align(rows),
             f"reflected at the joint: {100 * self.reflected:.2f} % of the incident "
@@ -188,12 +188,14 @@ def with_gains(calibration: Calibration, bars: InstrumentedBars) -> Instrumented
 def with_one_error(
     calibration: Calibration, bars: InstrumentedBars
 ) -> Iterator[InstrumentedBars]:
-    """Bars in which one gain or one wave speed is larger by its standard error.
+    """Yield four pairs of bars, each with one number larger by its standard error.
 
-    They are four pairs of bars: with the gain and then the speed of the input bar, then
-    those of the output bar. The given `bars` have the gains of the calibration already.
+    The numbers are, in order: gain and wave speed of the input bar, gain and wave speed
+    of the output bar. The given `bars` have the gains of the calibration already and
+    are not changed.
     """
     for k, name in enumerate(InstrumentedBars._fields):
+        # The strains contain the gain already: they grow by its relative error.
         gain_factor = 1 + calibration.gain_errors[k] / calibration.gains[k]
         yield bars._replace(**{name: _amplified(bars[k], gain_factor)})
         speed = bars[k].speed + calibration.speed_errors[k]
@@ -226,13 +228,14 @@ def calibrate(
         Input and output bar, with their true lengths; errors of the wave speeds up to
         10 % are corrected.
     striker_speed : float, optional
-        V of a striker with the impedance of the input bar, m/s. By default the gain of
-        the input gauge is 1, and the output gauge is compared with the input gauge.
+        Speed V of a striker with the impedance of the input bar, m/s. Without it the
+        gain of the input gauge is 1, and the output gauge is compared with the input
+        gauge.
     compression : str
         Sign of a strain that compresses in the records.
     progress : bool or function
-        Whether a bar may show how far long work is. A function is called with the
-        number of travel times that are done, and of all.
+        Whether to show a progress bar. A function is called with the number of travel
+        times that are done and the number of all of them, 2.
 
     Returns
     -------
@@ -248,7 +251,7 @@ def calibrate(
     Warns
     -----
     DoubtfulCalibration
-        If the joint reflects more or less than the impedances of the bars tell.
+        If the joint reflects more or less than expected from the impedances.
 
     Notes
     -----
@@ -286,7 +289,8 @@ def calibrate(
     output_bar = timed_output.bar
     incident = input_bar.first_pulse.plateau
     transmitted = output_bar.first_pulse.plateau
-    input_gain = 1.0  # by definition, without an error
+    # Without a striker speed the input gain is 1 by definition, without an error.
+    input_gain = 1.0
     input_error = 0.0
     if striker_speed is not None:
         V = scalar("striker_speed", striker_speed, "m/s", "positive")
@@ -295,13 +299,15 @@ def calibrate(
         input_error = _plateau_error(input_bar) * input_gain
     Z1 = input_bar.impedance
     Z2 = output_bar.impedance
-    # The transmitted strain divided by the incident one: the ratio of the forces, each
-    # divided by E A of its bar
+    # Transmitted strain divided by incident strain. The ratio of the forces is
+    # 2 Z2/(Z1 + Z2), and each strain is its force divided by E A of its bar.
     transmission = 2 * Z2 / (Z1 + Z2) * input_bar.stiffness / output_bar.stiffness
-    # The incident strain that comes to the output gauge, divided by the strain that is
-    # recorded there
+    # Incident strain as it would arrive at the output gauge, divided by the strain that
+    # is recorded there
     ratio = _ratio(_at_output_gauge(input_bar, output_bar), output_bar)
     output_gain = input_gain * transmission * ratio.value
+    # Two independent errors of the output gain: that of the input gain and that of the
+    # ratio
     error_by_input_gain = input_error / input_gain * output_gain
     error_by_ratio = input_gain * transmission * ratio.error
     output_error = math.hypot(error_by_input_gain, error_by_ratio)
@@ -321,7 +327,7 @@ def calibrate(
         ),
     )
     for doubt in calibration.doubts:
-        # The decorator stands between this function and the call of the user.
+        # Level 3 is the user's call: the decorator is a level between.
         warnings.warn(doubt, DoubtfulCalibration, stacklevel=3)
     return calibration
 
@@ -342,19 +348,21 @@ class _Timed(NamedTuple):
 
 
 def _with_output_speed(output_bar: InstrumentedBar) -> _Timed:
-    """Time the pulse that comes back to the output gauge from the far end of its bar.
+    """The output bar with its wave speed, fitted to the echo from the far end.
 
-    The result is the bar with the wave speed that this time gives, and the error of the
-    speed. InvalidModel if the record ends too early, or the speed is far off.
+    The first pulse passes the output gauge, is reflected at the far end and passes the
+    gauge again. The time between the two passages gives the speed and its standard
+    error. InvalidModel if the record ends before the echo, or if the speed is far from
+    the given one.
     """
     to_far_end = float(output_bar.rod.length) - float(output_bar.distances[0])
-    path = 2 * to_far_end
+    path = 2 * to_far_end  # there and back, m
     passing = _first_pulse_alone(output_bar)
 
     def returned(bar: InstrumentedBar) -> Floats:
-        """The pulse as it comes back to the gauge.
+        """Strain of the echo at the gauge, [sample].
 
-        The far end is free, which turns the sign of the strain.
+        The reflection at the free far end reverses the sign of the strain.
         """
         return -bar.propagated(passing, path)
 
@@ -378,7 +386,7 @@ def _with_input_speed(input_bar: InstrumentedBar, output: _Timed) -> _Timed:
     output_path = float(output_bar.distances[0])
 
     def transmitted(bar: InstrumentedBar) -> Floats:
-        """The incident pulse as it passes the output gauge."""
+        """Strain of the incident pulse at the output gauge, [sample]."""
         return _at_output_gauge(bar, output_bar)
 
     # The shift of the prediction corrects the travel time over `path`.
@@ -400,13 +408,14 @@ def _fit_wave_speed(
     recording: InstrumentedBar,
     predict: Callable[[InstrumentedBar], Floats],
 ) -> _Timed:
-    """Fit the wave speed of a bar so that a pulse arrives when it is in the record.
+    """The bar with its wave speed fitted to the arrival of a pulse, and the error.
 
-    The pulse runs along `path`, m, of the bar and is recorded by the gauge of
-    `recording`. `predict` takes the bar with a wave speed and gives the strain of the
-    pulse there, [sample]. `SPEED_ITERATIONS` times, the best shift of this prediction
-    against the record corrects the travel time and so the speed. InvalidModel if the
-    record ends too early, or the speed is far off the given one.
+    The pulse runs along `path`, m, of the bar and is recorded by the first gauge of
+    `recording`. `predict` returns the strain of the pulse at this gauge, [sample], for
+    the bar with a trial speed. In each of `SPEED_ITERATIONS` iterations the best shift
+    of the prediction against the record corrects the travel time and so the speed.
+    InvalidModel if the record ends before the pulse is over, or if the travel time is
+    off by more than `TRAVEL_RANGE_RTOL`.
     """
     record = Signal(recording.strains[0], recording.times)
     for _ in range(SPEED_ITERATIONS):
@@ -414,9 +423,9 @@ def _fit_wave_speed(
         predicted = predict(bar)
         magnitude = np.abs(predicted)
         pulse = np.flatnonzero(magnitude > PULSE_THRESHOLD * magnitude.max())
-        first = pulse[0]
+        first = pulse[0]  # index of the first sample of the predicted pulse
         last = pulse[-1]
-        slack = TRAVEL_RANGE_RTOL * travel
+        slack = TRAVEL_RANGE_RTOL * travel  # largest shift, s
         _check_record_end(recording, last, magnitude)  # refuses a pulse not yet over
         earliest = recording.times[first] - slack
         latest = min(recording.times[last] + slack, recording.times[-1])
@@ -431,20 +440,20 @@ def _fit_wave_speed(
             )
         measured_speed = path / (travel + misfit.shift)
         bar = bar._replace(rod=with_speed(bar.rod, measured_speed))
-    # Noise s shifts a pulse by s/sqrt(sum of slope^2). The prediction is made from a
-    # record, too, and so has noise of its own: hence the sqrt(2).
+    # Noise of the standard deviation s shifts a pulse by s/sqrt(sum of slope^2). The
+    # factor sqrt(2): the prediction has the same noise, as it is made from a record.
     slopes = np.diff(predicted)[first:last] / recording.dt
     steepness = math.sqrt(float(slopes @ slopes))
     arrival_error = _noise(recording) * math.sqrt(2) / steepness
     # As speed = path/time, its error is speed^2/path times that of the time.
-    return _Timed(bar, arrival_error * bar.speed**2 / path)
+    return _Timed(bar, arrival_error * bar.speed**2 / path)  # bar, speed_error
 
 
 def _check_record_end(recording: InstrumentedBar, last: int, magnitude: Floats) -> None:
-    """InvalidModel if the record ends before a predicted pulse is over.
+    """Raise InvalidModel if the record ends before a predicted pulse is over.
 
-    `magnitude` is the absolute strain of the prediction [sample], and `last` the index
-    of the last sample that counts to the pulse. The error tells how long to record.
+    `magnitude` is the absolute strain of the prediction, [sample], and `last` the index
+    of the last sample of the pulse. The message gives the time up to which to record.
     """
     end = recording.times[-1]
     is_over = last < len(magnitude) - 1
@@ -452,7 +461,8 @@ def _check_record_end(recording: InstrumentedBar, last: int, magnitude: Floats) 
         return
     pulse = recording.first_pulse
     is_half = magnitude >= 0.5 * abs(pulse.plateau)
-    half = int(np.argmax(is_half))  # the first such sample; 0 without any
+    half = int(np.argmax(is_half))  # index of the first such sample; 0 if there is none
+    # From half height on, the pulse lasts its width and the rest of its fall.
     needed = max(recording.times[half], end) + pulse.width + 2 * pulse.rise
     message = f"the record ends at {end:.4g} s, before the pulse returns"
     remedy = f"from the far end; record up to {needed:.4g} s"
@@ -462,15 +472,16 @@ def _check_record_end(recording: InstrumentedBar, last: int, magnitude: Floats) 
 def _reflected_ratio(input_bar: InstrumentedBar) -> float:
     """Strain reflected at the joint divided by the incident strain, by least squares.
 
-    The incident pulse, as if all of it came back to the gauge with its sign, is fitted
-    to what the gauge records after the incident pulse.
+    The incident pulse, propagated from the gauge to the joint and back, is the record
+    of a full reflection without change of sign. The result is the factor with which it
+    fits the record after the incident pulse best.
     """
     incident = _first_pulse_alone(input_bar)
     returned = input_bar.propagated(incident, 2 * float(input_bar.distances[0]))
     magnitude = np.abs(returned)
     is_pulse = magnitude > PULSE_THRESHOLD * magnitude.max()
     full_reflection = returned[is_pulse]
-    # The record of the gauge, 0 while the incident pulse passes
+    # The record of the gauge, with zeros while the incident pulse passes
     after_incident = input_bar.strains[0] - incident
     reflection = after_incident[is_pulse]
     squares = full_reflection @ full_reflection
@@ -478,17 +489,18 @@ def _reflected_ratio(input_bar: InstrumentedBar) -> float:
 
 
 def _noise(bar: InstrumentedBar) -> float:
-    """Standard deviation of the strain at the first gauge before the pulse."""
+    """Standard deviation of the strain at the first gauge, at rest before the pulse."""
     return float(bar.strains[0, : bar.rest_samples].std())
 
 
 def _at_output_gauge(input_bar: InstrumentedBar, output_bar: InstrumentedBar) -> Floats:
-    """The incident pulse at the output gauge, if the joint transmitted all of it.
+    """Strain of the incident pulse as it would arrive at the output gauge, [sample].
 
-    It is the strain at the times of the output bar, without the gains of the bars.
+    The joint is assumed to transmit the whole strain. The samples are at the times of
+    the output bar, and the gains are not applied.
     """
     passing = _first_pulse_alone(input_bar)
-    # The input gauge records its pulse at other times than the output gauge.
+    # The two records may have different sample times and time steps.
     pulse = np.interp(output_bar.times, input_bar.times, passing, left=0.0, right=0.0)
     with_steps_of_output = input_bar._replace(dt=output_bar.dt)
     at_joint = with_steps_of_output.propagated(pulse, float(input_bar.distances[0]))
@@ -503,12 +515,12 @@ class _Ratio(NamedTuple):
 
 
 def _ratio(predicted: Floats, bar: InstrumentedBar) -> _Ratio:
-    """Factor from the pulse that a bar recorded to the predicted one, and its error.
+    """Factor from the recorded pulse of a bar to a predicted one, and its error.
 
-    By least squares, with the predicted pulse p and the recorded one r, it is
-    sum(p r)/sum(r^2), and its error is that of sum(r (p - ratio r))/sum(r^2). Residuals
-    are correlated over a rise time, so the error of the sum is that of blocks of this
-    length.
+    The factor of the recorded pulse r that fits the predicted pulse p best, by least
+    squares, is sum(p r)/sum(r^2). Its standard error is that of
+    sum(r (p - ratio r))/sum(r^2). The residuals are correlated over a rise time, so
+    their sums over blocks of this length count as the independent errors.
     """
     magnitude = np.abs(predicted)
     is_pulse = magnitude > PULSE_THRESHOLD * magnitude.max()
@@ -517,19 +529,21 @@ def _ratio(predicted: Floats, bar: InstrumentedBar) -> _Ratio:
     sum_of_squares = float(r @ r)
     ratio = float(p @ r) / sum_of_squares
     sums = _block_sums(r * (p - ratio * r), bar)
-    error_of_sum = math.sqrt(float(sums @ sums))  # the blocks are independent
+    error_of_sum = math.sqrt(float(sums @ sums))  # squares of the block sums add up
     return _Ratio(ratio, error_of_sum / sum_of_squares)
 
 
 def _plateau_error(bar: InstrumentedBar) -> float:
-    """Standard error of the level of the first pulse's plateau, divided by this level.
+    """Relative standard error of the plateau of the first pulse at the first gauge.
 
     The plateau of a pulse oscillates, so each rise time counts as one measurement of
-    its level. The level is a median, which noise and the ends of the plateau shift: its
-    difference from the mean is added in quadrature. If the plateau has fewer than two
-    samples, the error is the noise of the record divided by the level.
+    its level. `Pulse.plateau` is a median, which noise and the ends of the plateau
+    shift: its difference from the mean is added in quadrature. If the plateau has fewer
+    than two samples, the error is the noise divided by the plateau.
     """
     pulse = bar.first_pulse
+    # `pulse.start` and the end of `pulse.width` lie on the rise and on the fall: the
+    # plateau begins a rise time after the one and ends a rise time before the other.
     begin = pulse.start + pulse.rise
     end = pulse.start + pulse.width - pulse.rise
     is_plateau = (bar.times >= begin) & (bar.times <= end)
@@ -548,8 +562,8 @@ def _plateau_error(bar: InstrumentedBar) -> float:
 def _block_sums(values: Floats, bar: InstrumentedBar) -> Floats:
     """Sums of values, [sample], over blocks of consecutive samples, [block].
 
-    A block lasts the rise time of the bar's first pulse, and at least one sample; the
-    last one may be shorter.
+    A block lasts the rise time of the bar's first pulse, and at least one sample. The
+    last block may be shorter.
     """
     block_samples = max(1, round(bar.first_pulse.rise / bar.dt))
     starts = np.arange(0, len(values), block_samples)
@@ -558,19 +572,20 @@ def _block_sums(values: Floats, bar: InstrumentedBar) -> Floats:
 
 
 def _first_pulse_alone(bar: InstrumentedBar) -> Floats:
-    """The record of the first gauge until its first pulse has passed, zero after it."""
+    """Strain at the first gauge, [sample], with zeros after the first pulse."""
     pulse = bar.first_pulse
-    # The width is that at half height: both feet take up to a rise time more.
+    # The width is measured at half height: the rise before and the fall after it add
+    # up to one rise time each.
     end = pulse.start + pulse.width + 2 * pulse.rise
     passing: Floats = np.where(bar.times < end, bar.strains[0], 0.0)
     return passing
 
 
 def _bending(gauge: BarGauge, bar: InstrumentedBar) -> float | None:
-    """Largest bending strain while the pulse passes, divided by its plateau.
+    """Largest absolute bending strain in the first pulse, divided by the plateau.
 
-    The pulse is the first one of the bar: the mean of both sides. Bending counts from
-    its level before the pulse. None if only one side has a gauge.
+    The plateau is that of the mean of both sides. The bending strain is measured from
+    its level before the pulse. None if only one side of the bar has a gauge.
     """
     bending = gauge.bending
     if bending is None:
