@@ -1,9 +1,9 @@
-"""A bar with the strains of its gauges, and how waves run along it.
+"""A bar with the strains at its gauges, and how waves run along it.
 
 A gauge at the distance d from the face of the bar at the specimen records
 e(t) = i(t + d/c) + r(t - d/c). The wave i runs towards the face, the wave r away from
-it; i and r are the strains at the face. Each frequency f runs at its own phase velocity
-c(f). Strains are positive in compression here.
+it; i(t) and r(t) are their strains at the face. In a bar with dispersion each frequency
+f has its own phase velocity c(f). Strains are positive in compression here.
 """
 
 from __future__ import annotations
@@ -21,8 +21,8 @@ class InstrumentedBar(NamedTuple):
     """One bar with its gauges: compressive strains at equal time steps.
 
     All gauges have the same times. The gauges are in the order in which the first pulse
-    arrives. It runs towards the specimen in the input bar, away from it in the output
-    bar.
+    arrives. This pulse runs towards the specimen in the input bar, away from it in the
+    output bar.
     """
 
     rod: Rod
@@ -33,7 +33,7 @@ class InstrumentedBar(NamedTuple):
     strains: Floats  # [gauge, sample]
     times: Floats  # s
     dt: float  # s
-    rest_samples: int  # number of samples before the pulse
+    rest_samples: int  # number of samples at rest before the first pulse
 
     @property
     def first_pulse(self) -> Pulse:
@@ -62,18 +62,21 @@ class InstrumentedBar(NamedTuple):
 
     @property
     def pulse_start(self) -> float:
-        """Begin of the pulse at the first gauge, s.
+        """Estimated begin of the first pulse at the first gauge, s.
 
-        It is one rise time before a tenth of the plateau.
+        It is one rise time before the time at which the pulse has a tenth of its
+        plateau.
         """
         return self.first_pulse.start - self.first_pulse.rise
 
     @property
     def known_until(self) -> Floats:
-        """Time when the last wave that a record holds leaves the face, s, [gauge].
+        """Time up to which the record of each gauge shows the waves at the face, s.
 
-        The wave is at the gauge at the end of the record, less two periods of the
-        cut-off frequency, or a sample: so long a jump rings, and is not known.
+        A wave that leaves the face at this time reaches the gauge just before the end
+        of the record: two periods of the cut-off frequency before, or one sample if it
+        is longer. In this last part the end of the record disturbs the waves. The shape
+        is [gauge].
         """
         travels = self.distances / self.speed
         ringing = max(self.dt, 2 / self.guide.cut_off)  # the cut-off may be infinite
@@ -81,9 +84,10 @@ class InstrumentedBar(NamedTuple):
         return until
 
     def propagated(self, strain: Floats, distance: float) -> Floats:
-        """The strain after a distance, m, along the bar, at the same times.
+        """Strain of a wave after a distance, m, along the bar, at the same times.
 
-        It is later by the time of travel. The bar is at rest before the first time.
+        The wave is delayed by its travel time; a negative distance makes it earlier.
+        The bar is assumed to be at rest before the first time.
         """
         return self.guide.propagated(strain, distance)
 

@@ -8,29 +8,29 @@ from ..hints import explain_missing
 from ..model.quantities import Floats
 
 PLATEAU_RATIO = 0.7
-"""Smallest part of the largest sample that belongs to the plateau of a pulse."""
+"""Samples belong to the plateau of a pulse above this part of the largest sample."""
 MIN_FIRST_PART_RATIO = 0.4
-"""Least ratio of the largest strain of the first part of a wave to that of all.
+"""Least height of the first part of a wave, divided by the largest height of the wave.
 
 A smaller part may be ringing.
 """
 START_RATIO = 0.1
-"""Part of its plateau at which `Pulse.start` is."""
+"""Ratio of the strain at `Pulse.start` to the plateau."""
 ONSET_RATIO = 0.01
-"""Part of its plateau at which a pulse begins, if noise is less."""
+"""Ratio of the strain at which a pulse begins to the plateau, if noise is smaller."""
 ONSET_NOISE_RATIO = 3.0
-"""Strain at which a pulse begins over the standard deviation of the noise, at least."""
+"""Least strain at which a pulse begins, over the standard deviation of the noise."""
 RISE_BEGIN_RATIO = 0.05
-"""Part of its plateau from which the rise of a pulse is extrapolated to its begin."""
+"""Strain at the begin of the rise to which a parabola is fitted, over the plateau."""
 RISE_END_RATIO = 0.6
-"""Part of its plateau up to which the rise of a pulse is extrapolated to its begin."""
+"""Strain at the end of the rise to which a parabola is fitted, over the plateau."""
 MIN_RISE_SAMPLES = 8
-"""Samples between these parts, at least, of a rise that is extrapolated."""
+"""Least number of samples of a rise to which a parabola is fitted."""
 FOOT_TIME_RATIO = 2.5
-"""Bounds the time from the begin of a pulse to a tenth of its plateau.
+"""Largest time from the begin of a pulse to a tenth of its plateau.
 
-It is relative to the time from there to a fifth: a straight rise needs 1, one with the
-square of time 2.4.
+It is divided by the time from a tenth to a fifth. The ratio is 1 for a linear rise, and
+2.4 for a rise with the square of time.
 """
 
 
@@ -66,19 +66,19 @@ class Pulse(NamedTuple):
 
 
 def pulse_of(times: Floats, values: Floats) -> Pulse:
-    """Timing of the pulse with the largest sample, of either sign.
+    """Timing of the pulse that contains the largest absolute value.
 
-    Between samples the values are linear. ValueError if the record cuts the pulse off,
-    or is 0 everywhere.
+    The plateau has the sign of the pulse. Values between samples are interpolated
+    linearly. ValueError if the record cuts the pulse off, or is 0 everywhere.
     """
     sign = _sign_of(values)
-    # Beyond the ends there are samples below any level. A pulse that begins or ends
-    # there has nan as the time.
+    # A sample of -inf at the time nan is added at each end. A pulse that is cut off
+    # there passes the level at the time nan.
     v = np.concatenate(([-np.inf], sign * values, [-np.inf]))
     t = np.concatenate(([np.nan], times, [np.nan]))
     top = _stretch_above(PLATEAU_RATIO * v.max(), t, v)
     level = plateau(v[top.samples])
-    foot = _stretch_above(START_RATIO * level, t, v)
+    foot = _stretch_above(START_RATIO * level, t, v)  # only its rise is used
     half = _stretch_above(0.5 * level, t, v)
     if not np.isfinite([foot.rises, half.rises, half.falls]).all():
         raise ValueError(
@@ -86,8 +86,8 @@ def pulse_of(times: Floats, values: Floats) -> Pulse:
             "a tenth of its plateau, after it below half; use a longer window, or "
             "subtract the baseline"
         )
-    # The first sample i of 0.9 of the level, and the time right before it at which
-    # 0.9 of the level is passed
+    # Sample i is the first of 0.9 of the level or more: the rise passes this height
+    # between the samples i - 1 and i.
     is_high = v[half.samples] >= 0.9 * level
     i = half.samples.start + int(np.argmax(is_high))
     rise_end = _time_of_level(0.9 * level, t, v, i - 1)
@@ -100,42 +100,43 @@ def pulse_of(times: Floats, values: Floats) -> Pulse:
 
 
 class _Stretch(NamedTuple):
-    """Samples of a pulse above a level, and the times at which it passes that, s."""
+    """Consecutive samples of a pulse that are not below a level."""
 
     samples: slice
-    rises: float
-    falls: float
+    rises: float  # time at which the pulse rises through the level, s
+    falls: float  # time at which it falls through the level, s
 
 
 def _stretch_above(level: float, times: Floats, values: Floats) -> _Stretch:
-    """The samples about the largest one that are no lower than a level.
+    """The samples around the largest one, up to the nearest ones below a level.
 
-    The times at which the level is passed are linear between samples. A value below the
-    level must stand before the largest sample, and one after it; if its time is nan,
-    so is the result's.
+    The times at which the level is passed are interpolated linearly; they are nan next
+    to a sample whose time is nan. There must be a value below the level before the
+    largest sample, and another one after it.
     """
     below = np.flatnonzero(values < level)
-    # The nearest samples below the level: i before the largest sample, j after it
+    # The nearest samples below the level: i before the largest sample, j after it.
+    # `after_top` is the position of j in `below`.
     after_top = int(np.searchsorted(below, values.argmax()))
     i = below[after_top - 1]
     j = below[after_top]
     rises = _time_of_level(level, times, values, i)
-    # With the other sign the fall is a rise.
+    # With the opposite sign the fall becomes a rise.
     falls = _time_of_level(-level, times, -values, j - 1)
     return _Stretch(slice(i + 1, j), rises, falls)
 
 
 def _time_of_level(level: float, times: Floats, values: Floats, i: int) -> float:
-    """Time at which values that rise from sample i to the next one pass a level, s."""
-    both = slice(i, i + 2)
+    """Time at which values that rise from sample i to sample i + 1 pass a level, s."""
+    both = slice(i, i + 2)  # the samples i and i + 1
     return float(np.interp(level, values[both], times[both]))
 
 
 def plateau(values: Floats) -> float:
     """Median of the samples above 0.7 of the largest one, as a positive number.
 
-    If the largest one is negative, samples below 0.7 of it count. ValueError if all
-    samples are 0.
+    The largest sample is the one with the largest absolute value. If it is negative,
+    the signs of all samples are reversed first. ValueError if all samples are 0.
     """
     height = _sign_of(values) * values
     largest = height.max()
@@ -153,18 +154,19 @@ def _sign_of(values: Floats) -> float:
 
 
 def first_part(times: Floats, values: Floats) -> Pulse:
-    """Timing of the first pulse, which a pulse of the other sign may follow.
+    """Timing of the first pulse of a wave, before a part of the opposite sign.
 
-    The first pulse must reach `MIN_FIRST_PART_RATIO` of the largest sample. The result
-    and the errors are those of `pulse_of`. As a specimen unloads, the second part of
-    the reflected wave may be the larger one.
+    The first pulse begins where a sample reaches `MIN_FIRST_PART_RATIO` of the largest
+    absolute value. It ends where the sign changes. The later part may be larger: it is
+    so in some reflected waves, when the specimen unloads. Result and errors are those
+    of `pulse_of`.
     """
     magnitude = np.abs(values)
     is_high = magnitude >= MIN_FIRST_PART_RATIO * magnitude.max()
     first = int(np.argmax(is_high))  # the first sample that is high
-    has_turned = values[first:] * values[first] < 0  # whether the sign is another one
+    has_turned = values[first:] * values[first] < 0  # the opposite sign of the first
     if has_turned.any():
-        # Where the sign turns, a sample of 0 ends the first part.
+        # A sample of 0 takes the place of the first sample of the opposite sign.
         end = first + int(np.argmax(has_turned))
         values = np.append(values[:end], 0.0)
         times = times[: end + 1]
@@ -174,8 +176,9 @@ def first_part(times: Floats, values: Floats) -> Pulse:
 def rest_end(times: Floats, values: Floats, pulse: Pulse) -> float:
     """Time before which a record is at rest, s.
 
-    It lies before a tenth of the plateau by 2.5 times the duration from there to a
-    fifth, and by one sample at least.
+    It is `pulse.start`, at a tenth of the plateau, minus `FOOT_TIME_RATIO` times the
+    rise time from a tenth to a fifth, which counts as one time step at least. The steps
+    must be equal.
     """
     dt = times[1] - times[0]
     until_fifth = max(_time_at_fifth(times, values, pulse) - pulse.start, dt)
@@ -185,9 +188,10 @@ def rest_end(times: Floats, values: Floats, pulse: Pulse) -> float:
 def onset_of(times: Floats, values: Floats, pulse: Pulse, noise: float) -> float:
     """Last time before `pulse.start` at which a pulse rises out of the noise, s.
 
-    There it passes a hundredth of its plateau, or three times `noise`, its standard
-    deviation, if that is larger. The time is linear between samples. It is the first
-    time of the record if no sample is as low.
+    The pulse then passes the larger of two levels: a hundredth of its plateau, and
+    three times `noise`, the standard deviation of the noise. The time is interpolated
+    linearly between samples. If no sample before `pulse.start` is that low, it is the
+    first time of the record.
     """
     level = max(ONSET_RATIO * abs(pulse.plateau), ONSET_NOISE_RATIO * noise)
     height = np.sign(pulse.plateau) * values  # positive in the pulse
@@ -199,22 +203,25 @@ def onset_of(times: Floats, values: Floats, pulse: Pulse, noise: float) -> float
 
 
 def line_onset(times: Floats, values: Floats, pulse: Pulse) -> float:
-    """Begin of a steep pulse, s.
+    """Begin of a steep pulse, s: zero of the line through a tenth and a fifth.
 
-    The line through a tenth and a fifth of the plateau is zero there.
+    The points of the line are those where the pulse passes a tenth and a fifth of its
+    plateau.
     """
     until_fifth = _time_at_fifth(times, values, pulse) - pulse.start
+    # From zero to a tenth the line needs as long as from a tenth to a fifth.
     return float(pulse.start - until_fifth)
 
 
 def extrapolated_onset(times: Floats, values: Floats, pulse: Pulse) -> float:
     """Begin of a pulse that rises over many samples, s.
 
-    It is the zero of the parabola through the rise, from a twentieth to 0.6 of the
-    plateau. The bar has lost the first moments of the rise; most of the rest of it is
-    known. A steep pulse, of fewer than `MIN_RISE_SAMPLES` there, and one whose parabola
-    has no zero before the end of the rise, begin at their `line_onset`.
+    A parabola is fitted to the rise from a twentieth to 0.6 of the plateau; the pulse
+    begins at its zero. (The bar distorts the first moments of the rise, and less so the
+    later ones.) The result is `line_onset` if the rise has fewer than
+    `MIN_RISE_SAMPLES`, or if the parabola has no zero before the end of the rise.
     """
+    # In parts of the plateau, positive in the pulse
     relative = np.sign(pulse.plateau) * values / abs(pulse.plateau)
     # The rise has the samples from `begin` to `end` - 1.
     is_behind_rise = (times > pulse.start) & (relative >= RISE_END_RATIO)
@@ -240,10 +247,10 @@ def extrapolated_onset(times: Floats, values: Floats, pulse: Pulse) -> float:
 def _time_at_fifth(times: Floats, values: Floats, pulse: Pulse) -> float:
     """First time after `pulse.start` at which a pulse has a fifth of its plateau, s.
 
-    The time is linear between samples.
+    The time is interpolated linearly between samples.
     """
     height = np.sign(pulse.plateau) * values  # positive in the pulse
-    fifth = 2 * START_RATIO * abs(pulse.plateau)  # the ratio is a tenth
+    fifth = 2 * START_RATIO * abs(pulse.plateau)  # twice a tenth
     is_above = (times > pulse.start) & (height >= fifth)
-    i = int(np.argmax(is_above))  # the first such sample
+    i = int(np.argmax(is_above))  # index of the first such sample
     return _time_of_level(fifth, times, height, i - 1)

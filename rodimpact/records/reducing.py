@@ -40,7 +40,7 @@ from .two_bar_shot import NO_SHIFTS, Shifts, TwoBarShot
 from .verdict import Verdict, verdict_of, verdict_of_equal_forces
 
 MIN_CURVE_SAMPLES = 16
-"""Samples of a curve, at least."""
+"""Least number of samples of a curve."""
 
 
 @explain_arguments
@@ -88,12 +88,13 @@ def reduce(
     align_within : float
         Largest shift of the reflected and of the transmitted wave, s. The shifts
         balance the forces on both faces up to half of the largest stress and, if the
-        specimen has a `youngs_modulus`, make the initial slope equal to it. Later they
-        can make the balance worse: `Reduction.alignment` has the balance over all
-        loading before and after. 0: only distances and wave speeds align the waves.
+        specimen has a `youngs_modulus`, make the initial slope equal to it. At larger
+        strains they can make the balance worse: `Reduction.alignment` has the balance
+        over all loading without and with the shifts. If 0, the waves are aligned by
+        distances and wave speeds alone.
     progress : bool or function
-        Whether a bar may show how far long work is. A function is called with the
-        number of curves that are done, and of all, None where that is not known.
+        Whether to show a progress bar. A function is called with the number of curves
+        that are done and the number of all curves, which is None if it is unknown.
 
     Returns
     -------
@@ -137,7 +138,7 @@ def reduce(
     check_kind(
         "specimen", specimen, Specimen, "ri.Specimen(length=5e-3, diameter=8e-3)"
     )
-    assert specimen is not None  # its default, which was refused above
+    assert specimen is not None  # `check_kind` has refused the default, None
     limit = scalar("align_within", align_within, "s", "non-negative")
     check_flag("equal_forces", equal_forces)
     _check_combination(
@@ -167,7 +168,7 @@ def reduce(
             else:
                 reduction = _reduce_two_bars(records, limit, report)
     for doubt in reduction.doubts:
-        # The decorator stands between this function and the call of the user.
+        # Level 3 is the user's call: the decorator is a level between.
         warnings.warn(doubt, DoubtfulReduction, stacklevel=3)
     return reduction
 
@@ -180,9 +181,10 @@ def _check_combination(
     striker: Any,
     limit: float,
 ) -> None:
-    """InvalidModel for arguments that exclude each other, or `pulses` of another kind.
+    """Raise InvalidModel for arguments that exclude each other, or for wrong `pulses`.
 
-    Gauges and striker may be anything: others check them.
+    Gauges and striker may be anything here; they are checked later. `limit` is the
+    argument `align_within`, s.
     """
     if pulses is not None:
         check_kind(
@@ -207,12 +209,13 @@ class _Records(NamedTuple):
     bars: InstrumentedBars  # with the strains as recorded
     calibration: Calibration | None
     specimen: Specimen
-    # Error of v1 - v2, m/s, by errors of levels at rest, which the noise does not show
+    # Error of v1 - v2, m/s, due to errors of the levels at rest of cut pulses; 0 for
+    # whole records
     velocity_error: float
 
     @property
     def corrected(self) -> InstrumentedBars:
-        """The bars with the gains of the calibration."""
+        """The bars with the gains of the calibration, or as recorded without one."""
         if self.calibration is None:
             return self.bars
         return with_gains(self.calibration, self.bars)
@@ -230,16 +233,18 @@ def _reduce_two_bars(
 ) -> Reduction:
     """Reduce a shot whose gauges separate all waves, and judge its equilibrium.
 
-    With a limit above 0, s, the waves are aligned within it first. An error of levels
-    at rest is a constant error of the strain rate, so that of the strain grows in
-    proportion to time: it joins the band of the strain.
+    If the limit is above 0, s, the waves are first aligned by shifts up to this limit.
+    `records.velocity_error` is a constant error of the strain rate, so the error of the
+    strain grows in proportion to time; it is added to the band of the strain.
+    InvalidModel if the curve is too short.
     """
     recorded = records.bars
     input_bar = recorded.input
-    # The curve lasts from the arrival at the specimen while waves are separated.
+    # The curve begins when the incident wave reaches the specimen, and ends when the
+    # first of the two bars no longer separates its waves.
     end = min(separated_until(bar) for bar in recorded)
     times = _times_between(records.arrival, end, input_bar.dt, blamed="input_gauges")
-    shot = TwoBarShot(records.corrected, records.specimen, times)  # with the gains
+    shot = TwoBarShot(records.corrected, records.specimen, times)
     alignment = None
     if limit:
         before = loading_imbalance(shot.curve())
@@ -247,10 +252,10 @@ def _reduce_two_bars(
         after = loading_imbalance(shot.curve())
         alignment = Alignment(limit, before, after)
     curve = shot.curve()
-    rate_error = records.velocity_error / records.specimen.length
+    rate_error = records.velocity_error / records.specimen.length  # standard error
     strain_error = BAND_STANDARD_ERRORS * rate_error * (times - times[0])
     verdict = verdict_of(curve, input_bar.impedance, input_bar.first_pulse.rise)
-    # Doubts concern the gauges as they recorded, without the gains.
+    # Doubts compare the strains as recorded, without the gains.
     doubts = doubts_of(recorded, curve, shot.shifts, alignment)
     return _reduction(
         shot,
@@ -269,9 +274,9 @@ def _reduce_two_bars(
 def _reduce_with_equal_forces(records: _Records, report: ProgressReport) -> Reduction:
     """Reduce a shot with one gauge a bar and overlapping waves.
 
-    The change of the strain by a shift of the output record by one sample joins the
-    band of the strain. InvalidModel for two gauges on a bar, and for an input gauge at
-    the specimen.
+    The band of the strain includes the change of the strain that a shift of the output
+    record by one sample causes. InvalidModel for two gauges on a bar, for an input
+    gauge at the specimen, and if the curve is too short.
     """
     recorded = records.bars
     for name, bar in zip(("input_gauges", "output_gauges"), recorded, strict=True):
@@ -288,8 +293,8 @@ def _reduce_with_equal_forces(records: _Records, report: ProgressReport) -> Redu
     times = _times_between(records.arrival, end, input_bar.dt, blamed="output_gauges")
     shot = EqualForceShot(records.corrected, records.specimen, times)
     curve = shot.curve()
-    # The clocks of both bars agree to a sample only; each passage of the input bar adds
-    # this error.
+    # The times of both records agree to one sample only. Each passage of the wave in
+    # the input bar adds this error, which no noise shows.
     later = shot.with_later_output(recorded.output.dt).curve()
     strain_error = later.strain - curve.strain
     return _reduction(
@@ -312,8 +317,9 @@ def _reduce_direct_impact(
 ) -> Reduction:
     """Reduce the impact of a striker on a specimen that lies on an output bar.
 
-    An error dt of the time of the impact makes an error v1 dt/L0 of the strain, with
-    the first velocity v1 of the input face: it joins the band of the strain.
+    An error dt of the time of the impact causes an error v1 dt/L0 of the strain, with
+    the velocity v1 of the input face at the impact; it is added to the band of the
+    strain. InvalidModel if the curve is too short.
     """
     start = start_of_impact(bar)
     times = _times_between(start, separated_until(bar), bar.dt, blamed="output_gauges")
@@ -332,7 +338,7 @@ def _reduce_direct_impact(
 
 
 def _times_between(start: float, end: float, dt: float, *, blamed: str) -> Floats:
-    """Times of a curve from `start` on, at steps of `dt`, before `end`, all in s.
+    """Times of a curve from `start` on, at steps of `dt`, all before `end`, s.
 
     InvalidModel, which names the argument `blamed`, for fewer than `MIN_CURVE_SAMPLES`.
     """
@@ -361,13 +367,13 @@ def _reduction(
     alignment: Alignment | None = None,
     strain_error: Floats | float = 0.0,
 ) -> Reduction:
-    """The curve of a shot with its bands, and what was found about the shot.
+    """The curve of a shot with its error bands, verdict and doubts.
 
-    `bars` are those with gauges, the output bar last. `strain_error` is an error of the
-    strain that the noise does not show, as the half width of a band; the root of the
-    sum of squares joins it to the band of the strain.
+    `bars` are the bars with gauges; the output bar is the last. `strain_error` is the
+    half width of a band of the strain that noise does not include. It is added to the
+    band of the noise in quadrature.
     """
-    # The input bar, or in a direct impact the output bar, the only one
+    # The input bar; in a direct impact the output bar, the only one
     first = bars[0]
     half_sampling_rate = 0.5 / first.dt  # Hz
     cut_off = min(first.guide.cut_off, half_sampling_rate)
@@ -375,7 +381,8 @@ def _reduction(
     bands = bands_of(shot, curve, calibration, resolution, report)
     # Change of the stress by a shift of the output record by one of its samples
     one_sample = one_sample_of(shot, curve, dt=bars[-1].dt)
-    disperses = all(bar.guide.mode for bar in bars)  # None for a bar without dispersion
+    # `mode` is None for a bar without dispersion.
+    disperses = all(bar.guide.mode for bar in bars)
     return Reduction(
         **vars(curve),
         stress_band=bands.stress,

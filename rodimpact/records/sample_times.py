@@ -1,6 +1,7 @@
-"""The times of the samples of a table, checked.
+"""Checks of the sample times of a table.
 
-They increase, no sample is missing, and none is rounded.
+The times must increase, and no sample may be missing. Rounded times are replaced by
+equal steps.
 """
 
 import warnings
@@ -15,21 +16,25 @@ from ..units import format_si
 from .signal import EQUAL_STEP_RTOL
 
 MIN_GAP_RATIO = 1.5
-"""Smallest time step between which samples are missing, over the usual step."""
+"""A step longer than this number of usual steps is a gap: samples are missing there."""
 MIN_UNEVEN_SHARE = 0.1
-"""Least share of steps unlike the usual one by which times count as uneven or rounded.
+"""Least share of steps that differ from the usual step in uneven or rounded times.
 
-With fewer such steps, the unlike ones are gaps.
+If fewer steps differ, the long ones among them are gaps.
 """
 MIN_ROUNDED_SAMPLES = 16
-"""Samples of a record whose times can be seen to be rounded, at least."""
+"""Least number of samples of a record whose times can be recognized as rounded."""
 MAX_ROUNDING_RATIO = 0.6
-"""Largest distance of rounded times from equal steps, over the last digit.
+"""Largest difference of rounded times from equal steps, over the last digit.
 
-It would be half a digit but for the line through the times.
+Rounding changes a time by half a digit at most; the rest is the error of the fitted
+equal steps.
 """
 DIGIT_RTOL = 1e-3
-"""Bounds the distance of steps from whole last digits, over the last digit."""
+"""Largest difference of a step from the shortest or longest one, over the last digit.
+
+The last digit is the difference between the longest and the shortest step.
+"""
 
 
 class RoundedTimes(UserWarning):
@@ -55,13 +60,15 @@ def checked_times(
 ) -> Floats:
     """The times, s, if they increase without gaps; equal steps if they are rounded.
 
-    Uneven steps are no gaps if `MIN_UNEVEN_SHARE` of all steps are.
+    Long steps do not count as gaps if at least `MIN_UNEVEN_SHARE` of all steps differ
+    from the usual one.
 
     Parameters
     ----------
     times : array, shape (n,)
+        s; not changed.
     name : str
-        Name of their column, for messages.
+        Name of the column of times, for messages.
     place_of : function
         Line or sample of a row, for messages.
     stacklevel : int
@@ -78,17 +85,18 @@ def checked_times(
         If times do not increase, or samples are missing.
     """
     steps = np.diff(times)
-    if _are_rounded(times, steps):  # then none decreases, and no sample is missing
+    # Rounded times neither decrease nor have gaps, so they need no further check.
+    if _are_rounded(times, steps):
         equal = _equal_steps(times)
         sentence = _rounding_sentence(name, times, steps, equal)
         warnings.warn(sentence, RoundedTimes, stacklevel)
         return equal
 
     def refuse_if(is_wrong: Any, message: str) -> None:
-        """FileFormatError that names the first wrong step, if there is one; [step]."""
+        """Raise FileFormatError for the first true value of `is_wrong`, [step]."""
         if not is_wrong.any():
             return
-        i = int(is_wrong.argmax())
+        i = int(is_wrong.argmax())  # the step from time i to time i + 1
         raise FileFormatError(
             f"{place_of(i + 1)}, column {name}: {times[i + 1]:.9g}"
             f" s comes after {times[i]:.9g} s; {message}"
@@ -101,11 +109,11 @@ def checked_times(
     )
     usual = np.median(steps)
     is_gap = steps > MIN_GAP_RATIO * usual
-    # `steps` become their distances from the usual step, in place to save memory.
+    # In place, to save memory: `steps` now holds abs(step - usual).
     steps -= usual
     np.abs(steps, out=steps)
     uneven_share = np.mean(steps > EQUAL_STEP_RTOL * usual)
-    # Many uneven steps are so on purpose.
+    # Many uneven steps are intended: the instrument did not sample at equal steps.
     if uneven_share < MIN_UNEVEN_SHARE:
         refuse_if(
             is_gap, "samples are missing; cut the record there, or fill in the samples"
@@ -116,28 +124,30 @@ def checked_times(
 def _are_rounded(times: Floats, steps: Floats) -> bool:
     """Whether times are those of equal steps, rounded to the last digit of the file.
 
-    `steps` are their differences. Of rounded times a step has one of two values, which
-    differ by the last digit, and the times are as near to equal steps as this digit. A
-    missing sample makes another step, too: this is not taken for rounding, since it is
-    rare and its step is twice the usual one. False for fewer than `MIN_ROUNDED_SAMPLES`
-    times, and for times that do not increase.
+    `steps` are the differences of the times. Rounded times have steps of two values,
+    which differ by the last digit, and they differ from equal steps by less than this
+    digit. Steps with a missing sample are not mistaken for rounded ones, because they
+    are rare and twice as long as the others. The result is false for fewer than
+    `MIN_ROUNDED_SAMPLES` times, and for times that decrease.
     """
     if len(times) < MIN_ROUNDED_SAMPLES:
         return False
-    # Of rounded times the longest step exceeds the shortest by the last digit.
+    # If times are rounded, the longest step exceeds the shortest by the last digit.
     shortest = float(steps.min())
     last_digit = float(steps.max()) - shortest
-    has_repeats = shortest == 0  # neighbouring times were rounded to one
+    has_repeats = shortest == 0  # neighbouring times were rounded to the same time
     if shortest < 0 or last_digit <= EQUAL_STEP_RTOL * shortest:
-        return False  # times that do not increase, or equal steps
+        return False  # times that decrease, or steps that are equal
     usual = np.median(steps)
     is_uneven = np.abs(steps - usual) > EQUAL_STEP_RTOL * usual
     is_rare = is_uneven.mean() < MIN_UNEVEN_SHARE
-    # A missing sample makes the longest step twice the shortest one: the supposed last
-    # digit, their difference, is about as long as the shortest.
+    # With a missing sample the longest step is about twice the shortest one, so
+    # `last_digit` is about as long as the shortest step.
     if is_rare and shortest < MIN_GAP_RATIO * last_digit:
         return False
-    if not has_repeats:  # each step must be the shortest or the longest one
+    # Repeated times are a sign of rounding in themselves. Without any, each step must
+    # be the shortest or the longest one.
+    if not has_repeats:
         is_short = steps - shortest < DIGIT_RTOL * last_digit
         is_long = shortest + last_digit - steps < DIGIT_RTOL * last_digit
         if not np.all(is_short | is_long):
@@ -147,15 +157,15 @@ def _are_rounded(times: Floats, steps: Floats) -> bool:
 
 
 def _equal_steps(times: Floats) -> Floats:
-    """Times with equal steps nearest to the times, by least squares, s.
+    """Times with equal steps that fit the times t best, by least squares, s.
 
-    With the numbers n of the samples, less their mean, they are
-    mean(t) + n sum(n t)/sum(n^2).
+    They are mean(t) + n sum(n t)/sum(n^2), where n is the index of a sample minus the
+    mean of all indices.
     """
     count = len(times)
     numbers: Floats = np.arange(count, dtype=float) - (count - 1) / 2
     step = float(numbers @ times) / float(numbers @ numbers)
-    # In place, to save memory
+    # In place, to save memory: `equal` takes the array of `numbers`.
     equal = numbers
     equal *= step
     equal += times.mean()
@@ -163,9 +173,10 @@ def _equal_steps(times: Floats) -> Floats:
 
 
 def _rounding_sentence(name: str, times: Floats, steps: Floats, equal: Floats) -> str:
-    """Sentence of the warning: which column was rounded, and which times are taken.
+    """Sentence of the warning on a column of rounded times.
 
-    `steps` are those of the rounded times, and `equal` the times that are taken, s.
+    It gives the steps of the rounded times, `steps`, and the step of the times that are
+    taken in their place, `equal`, all in s.
     """
     distance = format_si(float(np.abs(times - equal).max()), "s", digits=2)
     shortest = format_si(float(steps.min()), "s", digits=3)
