@@ -22,16 +22,16 @@ from .signal import Signal
 
 Compression: TypeAlias = Literal["negative", "positive"]
 SIGN_OF_COMPRESSION = {"negative": -1.0, "positive": 1.0}
-"""Factor from a record to compressive strain, by the sign of compression there."""
+"""Factor from recorded to compressive strain, by the sign of compression in records."""
 MIN_REST_SAMPLES = 16
-"""Samples before the pulse, at least, from which baseline and noise are taken."""
+"""Least number of samples before the pulse; they give level at rest and noise."""
 SMOOTHED_SAMPLES = 5
-"""Samples of the mean by which the first pulse is found.
+"""Number of samples of the moving mean with which the first pulse is searched.
 
-One sample of noise is no pulse.
+The mean suppresses single samples of noise.
 """
 FIRST_PULSE_RATIO = 0.4
-"""Bounds the strain of the first pulse over the largest strain of the record."""
+"""The first pulse begins above this part of the largest strain of the record."""
 
 
 def instrumented_bars(
@@ -39,8 +39,8 @@ def instrumented_bars(
 ) -> InstrumentedBars:
     """Both bars with the records of their gauges, see `_instrumented_bar`.
 
-    The arguments are those of `reduce`, with `bars` one rod or two; InvalidModel names
-    a wrong one.
+    The arguments are those of `reduce`, but `bars` must be one rod or two rods. Invalid
+    arguments raise InvalidModel, which names the argument.
     """
     check_choice("compression", compression, SIGN_OF_COMPRESSION)
     rods = rods_of(bars)
@@ -65,8 +65,8 @@ def instrumented_bars(
 def output_bar_of(gauges: Any, bar: Any, compression: Any) -> InstrumentedBar:
     """The output bar of a direct impact with the records of its gauges.
 
-    The arguments are those of `reduce`. InvalidModel names a wrong one: `bar`, called
-    "bars" there, must be one uniform rod.
+    The arguments are those of `reduce`, where `bar` is called `bars`: it must be one
+    uniform rod. Invalid arguments raise InvalidModel, which names the argument.
     """
     check_choice("compression", compression, SIGN_OF_COMPRESSION)
     if not is_uniform_rod(bar):
@@ -85,9 +85,9 @@ class Rods(NamedTuple):
 
 
 def rods_of(bars: Any) -> Rods:
-    """Input and output bar from one uniform rod, which stands for both, or from two.
+    """Input and output bar from one uniform rod, used for both, or from two of them.
 
-    InvalidModel for anything else.
+    Two rods are a tuple or a list. InvalidModel for anything else.
     """
     rods = bars
     if not isinstance(bars, tuple | list):
@@ -99,9 +99,9 @@ def rods_of(bars: Any) -> Rods:
 
 
 def is_uniform_rod(rod: Any) -> bool:
-    """Whether the argument is a single rod of one section and one material.
+    """Whether the argument is a single rod of constant section and one material.
 
-    A family of rods is not, nor is anything else than a rod.
+    The result is false for a family of rods, and for any other object.
     """
     if not isinstance(rod, Rod) or len(rod.segments) != 1:
         return False
@@ -109,7 +109,7 @@ def is_uniform_rod(rod: Any) -> bool:
 
 
 def is_family(body: Rod | RigidMass) -> bool:
-    """Whether any number of a body is an array, one value for each member."""
+    """Whether any parameter of a body is an array, with one value for each member."""
     return bool(System([body]).shape)  # the shape of a single system is ()
 
 
@@ -124,24 +124,24 @@ class _Record(NamedTuple):
 def _instrumented_bar(
     name: str, gauges: Any, rod: Rod, is_output: bool, compression: str
 ) -> InstrumentedBar:
-    """A bar with the records of its gauges, which are the argument `name`.
+    """A bar with the records of its gauges.
 
-    The records are sampled at the same times, positive in compression, and begin from a
-    level of 0 at rest. The gauges come in the order in which the first pulse arrives at
-    them. Records of an output bar that begin too late are preceded by more rest, see
-    `_padded_to_face_arrival`. InvalidModel for wrong gauges, too little rest, or a
-    first pulse in tension.
+    The records are sampled at common times, made positive in compression, and their
+    level at rest is subtracted. The gauges are put in the order in which the first
+    pulse arrives at them. Records of an output bar that begin too late are padded, see
+    `_padded_to_face_arrival`. InvalidModel, which names the argument `name`, for wrong
+    gauges, too little rest, or a first pulse in tension.
     """
     checked = _checked_gauges(name, gauges, rod)
     signals = [gauge.strain for gauge in checked]
     times = _common_times(name, signals)
     records = []
     for gauge, signal in zip(checked, signals, strict=True):
-        # The last time may lie beyond the end by round-off.
+        # The last common time may lie beyond the end of the records by round-off.
         within_record = np.minimum(times.values, times.end)
         strain = np.asarray(signal.at(within_record))
         compressive = SIGN_OF_COMPRESSION[compression] * strain
-        # The error for a wrong sign tells the argument `compression`.
+        # `compression` is passed for the message about a pulse of the wrong sign.
         pulse = _first_pulse(name, times.values, compressive, compression)
         records.append(_Record(gauge, pulse, compressive))
     records.sort(key=lambda record: record.first_pulse.start)
@@ -167,13 +167,13 @@ def _instrumented_bar(
 
 
 def _padded_to_face_arrival(bar: InstrumentedBar) -> InstrumentedBar:
-    """The output bar with records that begin before the pulse arrives at its face.
+    """The bar with records that begin before the pulse arrives at the specimen face.
 
-    The wave in an output bar is at the face before it is at a gauge. Records that begin
-    after its arrival at the face are padded at the front, by `MIN_REST_SAMPLES` more
-    samples than are missing. The padding repeats the samples at rest, so that level and
-    noise stay the same; `times` and `rest_samples` include it. An input bar, and a bar
-    whose records begin early enough, are returned as they are.
+    In an output bar the pulse is at the face before it reaches a gauge. If the records
+    begin after its arrival at the face, the missing samples and `MIN_REST_SAMPLES` more
+    are added at the front. They repeat the samples at rest, so that level and noise
+    stay the same; `times` and `rest_samples` include them. An input bar, and a bar
+    whose records begin early enough, are returned unchanged.
     """
     if not bar.is_output:
         return bar
@@ -198,10 +198,10 @@ def _padded_to_face_arrival(bar: InstrumentedBar) -> InstrumentedBar:
 
 
 def _checked_gauges(name: str, gauges: Any, rod: Rod) -> list[BarGauge]:
-    """The one gauge or two of a bar, as a list in the given order.
+    """The gauges of a bar, one or two, as a list in the given order.
 
-    InvalidModel, which names the argument `name`, for anything else, a gauge at the far
-    end of the bar or beyond it, or two at one distance.
+    InvalidModel, which names the argument `name`, for any other argument, for a gauge
+    at the far end of the bar or beyond it, and for two gauges at the same distance.
     """
     listed: list[Any] = [gauges]
     if isinstance(gauges, tuple | list):
@@ -232,17 +232,18 @@ class _Times(NamedTuple):
 
 
 def _common_times(name: str, strains: list[Signal]) -> _Times:
-    """Times that all records of a bar contain, at the steps of the first one.
+    """Times that all records of a bar contain, at the steps of the first record.
 
-    The last of them may lie beyond the common `end` by round-off. InvalidModel, which
-    names the argument `name`, if fewer than twice `MIN_REST_SAMPLES` steps are common.
+    The last of the times may lie beyond the common `end` by round-off. InvalidModel,
+    which names the argument `name`, if the records have fewer than
+    2 `MIN_REST_SAMPLES` steps in common.
     """
     dt = strains[0].dt
     start = max(strain.start for strain in strains)
     end = min(strain.end for strain in strains)
     if end - start < 2 * MIN_REST_SAMPLES * dt:
         raise invalid_argument(name, "the records of the gauges do not overlap in time")
-    # Rounded down, but for a last sample that is late by no more than round-off
+    # `int` rounds down; the last factor keeps the last step in spite of round-off.
     steps = int((end - start) / dt * (1 + 1e-12))
     values = start + dt * np.arange(steps + 1, dtype=float)
     return _Times(values, dt, end)
@@ -254,6 +255,7 @@ def _rest_samples(name: str, times: _Times, first: _Record) -> int:
     `first` is the record of the gauge at which the pulse arrives first. InvalidModel,
     which names the argument `name`, for fewer than `MIN_REST_SAMPLES`.
     """
+    # The number of samples at rest is not known yet: the level is that of the fewest.
     level = np.median(first.strain[:MIN_REST_SAMPLES])
     end = rest_end(times.values, first.strain - level, first.first_pulse)  # s
     count = int(np.searchsorted(times.values, end))
@@ -269,15 +271,14 @@ def _rest_samples(name: str, times: _Times, first: _Record) -> int:
 
 
 def _first_pulse(name: str, times: Floats, strain: Floats, compression: str) -> Pulse:
-    """Timing of the first pulse of a record, without what the record has after it.
+    """Timing of the first pulse of a record; later waves are ignored.
 
-    The record, less its median at rest, is cut where the first pulse ends; `pulse_of`
-    times what is left. The pulse is found by the mean of `SMOOTHED_SAMPLES`: it is
-    where this first exceeds `FIRST_PULSE_RATIO` of the largest strain, and ends where
-    this is back at rest.
-    `strain` is positive in compression if `compression`, the sign in the records, is
-    right. InvalidModel, which names the argument `name`, if the first pulse is a
-    tension, or none can be timed, or single samples stand far above all others.
+    The median at rest is subtracted first. The pulse is where the moving mean of
+    `SMOOTHED_SAMPLES` first exceeds `FIRST_PULSE_RATIO` of the largest strain; it ends
+    where this mean is back at 0, and `pulse_of` gives its timing. InvalidModel, which
+    names the argument `name`, if the first pulse is negative (a tension) or cannot be
+    timed, or if single samples are far above all others. `compression` is the sign in
+    the records, for messages.
     """
     values = strain - np.median(strain[:MIN_REST_SAMPLES])
     window = np.ones(SMOOTHED_SAMPLES) / SMOOTHED_SAMPLES
@@ -292,7 +293,7 @@ def _first_pulse(name: str, times: Floats, strain: Floats, compression: str) -> 
             f"has single samples far above all others, at {time} a strain of "
             f"{strain[wrong]:.3g}; remove wrong samples from the record",
         )
-    first = int(np.argmax(is_high))  # the first sample that is high
+    first = int(np.argmax(is_high))  # index of the first high sample
     is_tension = smooth[first] <= 0
     if is_tension:
         other = "negative"
@@ -305,10 +306,10 @@ def _first_pulse(name: str, times: Floats, strain: Floats, compression: str) -> 
             "reverse it by BarGauge(..., gain=-1)",
         )
     below = np.flatnonzero(smooth[first:] <= 0)
-    stop = len(values)  # index behind the last sample of the pulse
+    stop = len(values)  # index after the last sample of the pulse
     if below.size:
         stop = first + int(below[0]) + 1
-    # How the pulse ends does not matter here: one more sample, of 0, ends it.
+    # A sample of 0 is added, so that `pulse_of` also accepts a pulse that is cut off.
     ended = np.append(values[:stop], 0.0)
     dt = times[1] - times[0]
     ended_times = times[0] + dt * np.arange(stop + 1)

@@ -34,7 +34,7 @@ MEASURED = (
     "length",
     "acceleration",
 )
-"""What a unit at the end of a name may be, without brackets: incident_V."""
+"""Dimensions of units that may end a name without brackets, such as incident_V."""
 IN_BRACKETS = re.compile(r"(.*?)[\s_/,]*[\[(]([^\[\]()]*)[\])]")
 """Name and unit of a head such as ``incident [mV]``."""
 AT_THE_END = re.compile(r"(.*?)\s*(?:/|\bin\b|_|,|\s)\s*([^\s_/,]+)")
@@ -53,10 +53,10 @@ class Head(NamedTuple):
 def heads_of(lines: list[str], form: NumberForm, count: int) -> list[Head]:
     """Head of each column, from the lines before the numbers.
 
-    The heads are in the last line with a cell for each column, or above a line of
-    units. If they name no times, heads with times and units further up are taken; if
-    two are the same, the names of a line above. Columns without heads are called "1",
-    "2" and so on.
+    The heads are in the last line that has a cell for each column; if this is a line of
+    units, in the line above it. If no head is called time or t, heads further up that
+    have times and a line of units are preferred. If names repeat, the names of a line
+    above are taken. Without heads the columns are called "1", "2" and so on.
 
     Parameters
     ----------
@@ -78,7 +78,7 @@ def heads_of(lines: list[str], form: NumberForm, count: int) -> list[Head]:
         text = line.strip(f"{COMMENT_MARKS} \t\r;,")
         if text:
             texts.append(text)
-    rows = []  # cells of each line with one for each column
+    rows = []  # cells of the lines that have a cell for each column
     for text in texts:
         cells = _head_cells(text, form, count)
         if len(cells) == count and all(cells):
@@ -86,7 +86,7 @@ def heads_of(lines: list[str], form: NumberForm, count: int) -> list[Head]:
     if not rows:
         _check_no_heads(texts, form, count)
         return [Head(str(j + 1), "") for j in range(count)]
-    # The head of a single column may be a number.
+    # A number as the head of a single column is allowed: it may be a name.
     if count > 1 and form.is_number(rows[-1][0]):
         raise FileFormatError(
             f"begins with a line that mixes {shown(rows[-1])} and numbers; complete or "
@@ -104,11 +104,11 @@ def heads_of(lines: list[str], form: NumberForm, count: int) -> list[Head]:
 
 
 def _check_no_heads(texts: list[str], form: NumberForm, count: int) -> None:
-    """FileFormatError if the last line above the numbers has heads, but not `count`.
+    """Raise FileFormatError if the last line above the numbers has a wrong head count.
 
-    `texts` are the lines above the numbers, and `count` is the number of columns. The
-    heads may be numbers or words, two or more with a delimiter between them. A table of
-    one column, or one without delimiters, is not judged.
+    `texts` are the lines above the numbers, and `count` is the number of columns; none
+    of the lines has `count` cells. Heads are two or more cells, numbers or words,
+    between delimiters. Tables of one column, or without delimiters, pass.
     """
     cells = []
     if texts:
@@ -129,11 +129,12 @@ def _check_no_heads(texts: list[str], form: NumberForm, count: int) -> None:
 
 
 def _told_apart(heads: list[Head], rows: list[list[str]]) -> list[Head]:
-    """Heads of different names: those of a line above, if the last line repeats names.
+    """The heads, with the names of a line above if their own names repeat.
 
-    `rows` are the cells of all lines with heads. Scopes write a line of channels above
-    a line such as Time, Signal, Signal. The heads stay as they are if no line has
-    different names.
+    `rows` are the cells of all lines with heads. The names are those of the lowest line
+    without repeated names; the units are kept. (Scopes write the names of the channels
+    above a line such as Time, Signal, Signal.) The heads are returned unchanged if
+    their names are different, or if no such line exists.
     """
     if len({head.name for head in heads}) == len(heads):
         return heads
@@ -154,7 +155,7 @@ def _has_times(heads: list[Head]) -> bool:
 
 
 def _last_heads(rows: list[list[str]]) -> list[Head]:
-    """Heads in the last row, or in the one before if the last is a line of units."""
+    """Heads from the last row or, if it is a row of units, from the last two rows."""
     heads = _with_units_below(rows)
     if heads is None:
         heads = [_head_of(cell) for cell in rows[-1]]
@@ -162,13 +163,13 @@ def _last_heads(rows: list[list[str]]) -> list[Head]:
 
 
 def _times_and_units_above(rows: list[list[str]], heads: list[Head]) -> list[Head]:
-    """Heads with a column of times and a row of units below, above further rows.
+    """Heads further up that have a column of times, with the row of units below them.
 
-    The lowest such heads are returned; without any, `heads`. The recorder catman writes
-    two dozen lines about each channel: its name, its unit, and so on.
+    The lowest such heads are returned; `heads` if there are none. The recorder catman
+    writes two dozen rows about the channels: their names, their units, and so on.
     """
-    # The last two of the first `count` rows may be heads and their units. The rows
-    # below them are left out, one more each time.
+    # Rows are left out from the end, one more each time; the last two of the remaining
+    # `count` rows may be heads and their units.
     for count in range(len(rows) - 1, 1, -1):
         with_units = _with_units_below(rows[:count])
         if with_units is not None and _has_times(with_units):
@@ -177,13 +178,13 @@ def _times_and_units_above(rows: list[list[str]], heads: list[Head]) -> list[Hea
 
 
 def _with_units_below(rows: list[list[str]]) -> list[Head] | None:
-    """Heads from the last row but one, with their units from the last row.
+    """Heads with names from the second last row and units from the last row.
 
     Units may be in brackets. None unless all cells of the last row are known units.
     """
     if len(rows) < 2:
         return None
-    below = [spelt(cell.strip("[]() ")) for cell in rows[-1]]
+    below = [spelt(cell.strip("[]() ")) for cell in rows[-1]]  # the units
     for unit in below:
         if known_units.conversion(unit) is None:
             return None
@@ -194,11 +195,11 @@ def _with_units_below(rows: list[list[str]]) -> list[Head] | None:
 
 
 def _head_cells(text: str, form: NumberForm, count: int) -> list[str]:
-    """Heads in a line; the caller checks their number.
+    """Heads in a line; they may be more or fewer than `count`.
 
-    Without a delimiter heads end at blanks. If that does not give `count` heads, a unit
-    in brackets is joined to what is before it; if that does not either, heads end at
-    two blanks or a tab. One more head at the end, "Comment", is left out.
+    In a table without delimiters three ways are tried until they give `count` heads:
+    heads end at blanks; they end at blanks, but not at blanks before a bracket; they
+    end at two blanks or a tab. An additional last head "Comment" is left out.
     """
     cells = form.cells(text)
     if not form.delimiter and len(cells) != count:
@@ -206,7 +207,7 @@ def _head_cells(text: str, form: NumberForm, count: int) -> list[str]:
         cells = with_units_joined.split()
         if len(cells) != count:
             cells = re.split(r"\s{2,}|\t", text)
-    # LabVIEW has a column for comments, without entries.
+    # LabVIEW writes the head of a column of comments, which has no cells.
     if len(cells) == count + 1 and cells[-1].casefold() == "comment":
         cells.pop()
     return cells
@@ -215,11 +216,13 @@ def _head_cells(text: str, form: NumberForm, count: int) -> list[str]:
 def _head_of(cell: str) -> Head:
     """Name and unit from a cell: ``incident [mV]``, ``incident_mV``, ``incident / mV``.
 
-    Brackets alone hold the name. Without brackets the last word is a unit if it is
-    known as one of what instruments measure; otherwise all of the text is the name.
+    If the cell has nothing but brackets, their text is the name. Without brackets the
+    last word is the unit if it is a known unit of a dimension in `MEASURED`; otherwise
+    the whole text is the name, and the unit is "".
     """
     text = cell.strip(" \"'")
-    # Group 1 of both patterns is the text before, group 2 the brackets or last word.
+    # In both patterns group 1 is the name. Group 2 is the text in brackets, or the last
+    # word.
     match = IN_BRACKETS.fullmatch(text)
     if match and match[1]:
         return Head(one_line(match[1]), spelt(match[2].strip()))
@@ -228,15 +231,15 @@ def _head_of(cell: str) -> Head:
     match = AT_THE_END.fullmatch(text)
     if match and match[1]:
         unit = spelt(match[2])
-        in_si = known_units.conversion(unit)  # None of an unknown unit
+        in_si = known_units.conversion(unit)  # None for an unknown unit
         if in_si and known_units.dimension_of(in_si.unit) in MEASURED and unit != "1":
             return Head(one_line(match[1]), unit)
     return Head(one_line(text), "")
 
 
 def spelt(unit: str) -> str:
-    """A unit in the spelling of this package, from words of instruments.
+    """A unit in the spelling of this package, such as "V" for "volts".
 
-    Other units stay as they are.
+    Units that are not in `UNIT_WORDS` are returned unchanged.
     """
     return UNIT_WORDS.get(unit.casefold(), unit)

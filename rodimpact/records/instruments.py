@@ -1,9 +1,10 @@
-"""Entries of LabVIEW and of scopes before or beside a table, as column heads.
+"""File layouts of LabVIEW and of scopes: entries with units and times beside a table.
 
-LabVIEW measurement files (.lvm) name units and steps of time in lines of their own, and
-may leave out the column of times. Scopes of Tektronix write such lines before the
-table, or in three columns to its left; those of Rigol, LeCroy, Yokogawa and Keysight
-(Infiniium) before the table. An entry without a value is taken as missing.
+An entry is a name with values, such as a unit for each channel. LabVIEW measurement
+files (.lvm) have units and time steps in entries, and may lack a column of times.
+Scopes of Tektronix write entries above the table, or in three columns to its left;
+those of Rigol, LeCroy, Yokogawa and Keysight (Infiniium) write them above the table. An
+entry without a value counts as missing. Column heads are made from the entries.
 """
 
 import re
@@ -21,29 +22,31 @@ LABVIEW_HEAD = "x_value"
 TEKTRONIX = ("record length", "sample interval")
 """Entries of Tektronix scopes, whose files have one of them or both."""
 LECROY = "LECROY"
-"""Begin of the first line of LeCroy scopes, whose times are in s and values in V."""
+"""Begin of the first line of LeCroy files, whose times are in s and values in V."""
 RIGOL_HEADS = {"x", "start", "increment"}
 """Heads of Rigol scopes, in the first line."""
 YOKOGAWA = {"tracename", "hresolution", "hoffset"}
 """Entries of Yokogawa scopes, whose rows have no times."""
 KEYSIGHT = {"revision", "xinc", "xorg"}
 """Entries of Keysight Infiniium scopes, whose rows have a time before each value."""
+# Name and values of an entry such as "XInc:,1e-9"
 KEYSIGHT_ENTRY = re.compile(r"([A-Za-z]+)\s*:\s*,?(.*)")
 COLUMNS_BESIDE = 3
-"""Columns of entries that Tektronix writes to the left of a table."""
+"""Number of columns of entries that Tektronix writes to the left of a table."""
 MAX_ENTRY_LINES = 100
-"""Lines that are searched for entries."""
+"""Number of first lines that are searched for entries."""
 
 
 class Layout(NamedTuple):
-    """Where an instrument puts the table in its file.
+    """Heads of the table in a file, and the part of each line that belongs to it.
 
     Attributes
     ----------
     head : str
-        A line of heads; "" if the lines above the table have them.
+        A line of heads, made from entries; "" if the heads stand above the table.
     table_line : function
-        What of a line belongs to the table: takes the index of the line and the line.
+        Takes index and text of a line, and returns the text that belongs to the table,
+        with a time added if the file has none; "" if nothing belongs to it.
     """
 
     head: str
@@ -51,7 +54,7 @@ class Layout(NamedTuple):
 
 
 Entries = dict[str, list[str]]
-"""Values of each entry, column by column."""
+"""Values of each entry, one for each cell after the name, by name in small letters."""
 
 
 def first_value(entries: Entries, name: str, default: str) -> str:
@@ -63,19 +66,19 @@ def first_value(entries: Entries, name: str, default: str) -> str:
 
 
 def as_written(_: int, line: str) -> str:
-    """The whole line."""
+    """The whole line: `Layout.table_line` of a file without entries in its rows."""
     return line
 
 
 def find_layout(lines: list[str]) -> Layout:
     """Layout of a file with these first lines.
 
-    The instrument is known by its first line or by its entries, among the first
-    `MAX_ENTRY_LINES`. If none is known, all lines are taken as they are.
+    The instrument is recognized by the first line, or by entries in the first
+    `MAX_ENTRY_LINES` lines. If it is unknown, the layout takes all lines as they are.
     FileFormatError for a known instrument whose table cannot be read.
     """
     lines = lines[:MAX_ENTRY_LINES]
-    mark = "\t"  # what parts two cells
+    mark = "\t"  # the delimiter of cells
     if "," in lines[0]:
         mark = ","
     entries: Entries = {}
@@ -83,7 +86,7 @@ def find_layout(lines: list[str]) -> Layout:
         cells = [cell.strip(' "') for cell in line.split(mark)]
         name = cells[0].casefold()
         entries[name] = cells[1:]
-        # The row of heads stands below all entries, which are complete now.
+        # The row of heads of LabVIEW stands below all entries: they are complete.
         if name == LABVIEW_HEAD and LABVIEW in entries:
             return _labview_layout(index, cells, entries, mark)
     if lines[0].startswith(LECROY):
@@ -108,12 +111,12 @@ def _cells(line: str) -> list[str]:
 
 
 def _rigol_layout(heads: list[str], entries: list[str]) -> Layout:
-    """Layout of a file whose rows have a number instead of a time.
+    """Layout of a Rigol file, whose rows begin with the number of the sample, from 0.
 
-    `heads` are the cells of the first line in small letters: x, channels, start,
-    increment. `entries` are those of the second one: units of the channels, the time of
-    the first row and the time step. In each row the number, of a sample from 0 on,
-    becomes a time. FileFormatError if the last two are no numbers.
+    `heads` are the cells of the first line in small letters: x, the channels, start,
+    increment. `entries` are the cells of the second line below them: units of the
+    channels, start time and time step. The layout replaces the number of each row by
+    its time. FileFormatError if start time or time step is not a number.
     """
     start_column = heads.index("start")
     try:
@@ -125,13 +128,14 @@ def _rigol_layout(heads: list[str], entries: list[str]) -> Layout:
             "both lines and give rate"
         ) from None
     channels = []
+    # The channels stand between x, the column 0, and start.
     for name, unit in zip(heads[1:start_column], entries[1:start_column], strict=True):
         channels.append(_head(name.upper(), spelt(unit)))
 
-    channel_count = start_column - 1  # X stands before them
+    channel_count = start_column - 1  # without x
 
     def table_line(index: int, line: str) -> str:
-        """The row with a time; "" of the first two lines, and of what is no row."""
+        """The row with its time; "" for the first two lines, and for any other line."""
         if index < 2:
             return ""
         number, *values = line.split(",")
@@ -145,11 +149,11 @@ def _rigol_layout(heads: list[str], entries: list[str]) -> Layout:
 
 
 def _yokogawa_layout(lines: list[str], entries: Entries) -> Layout:
-    """Layout of a file whose rows have no times, and may begin with a blank cell.
+    """Layout of a Yokogawa file, whose rows have no times and may begin with a comma.
 
-    The time of row k = 1, 2, ... is HResolution (k - 1) + HOffset, in HUnit, says the
-    appendix on the ASCII data file of the manuals. FileFormatError for several blocks,
-    or if HResolution or HOffset is no number.
+    The layout adds times: that of row k = 1, 2, ... is HResolution (k - 1) + HOffset,
+    in HUnit (appendix on the ASCII data file of the manuals). FileFormatError for
+    several blocks, or if HResolution or HOffset is not a number.
     """
     if first_value(entries, "blocknumber", "1") != "1":
         raise FileFormatError(
@@ -172,7 +176,7 @@ def _yokogawa_layout(lines: list[str], entries: Entries) -> Layout:
             break
 
     def table_line(index: int, line: str) -> str:
-        """The row with its time before it; "" for a blank line or one above rows."""
+        """The row after its time; "" for a blank line and a line above the rows."""
         if index < first_row:
             return ""
         values = line.strip().removeprefix(",")
@@ -188,7 +192,7 @@ def _yokogawa_layout(lines: list[str], entries: Entries) -> Layout:
 
 
 def _has_numbers_alone(line: str) -> bool:
-    """Whether all cells of a line are numbers, but for blank ones; one or more is."""
+    """Whether a line has numbers and no other cells, except blank ones."""
     cells = [cell for cell in _cells(line) if cell]
     try:
         for cell in cells:
@@ -211,11 +215,11 @@ def _keysight_entries(lines: list[str]) -> Entries:
 
 
 def _keysight_layout(first_line: str, entries: Entries) -> Layout:
-    """Layout of a file of one channel.
+    """Layout of a Keysight file of one channel.
 
-    The name is the last cell of the first line, if that is no entry, else "Channel 1".
-    The units are among the entries. With several channels or segments there is a pair
-    of columns for each: FileFormatError.
+    The name of the channel is the last cell of the first line if this cell is not an
+    entry, else "Channel 1". The units are among the entries. FileFormatError for
+    several channels or segments, since each of them has its own column of times.
     """
     starts = [text for text in entries["xorg"] if text]  # of each channel or segment
     if len(starts) > 1:
@@ -236,11 +240,11 @@ def _keysight_layout(first_line: str, entries: Entries) -> Layout:
 def _labview_layout(
     head_index: int, names: list[str], entries: Entries, mark: str
 ) -> Layout:
-    """Layout of a file whose table stands below the line of names.
+    """Layout of a LabVIEW file, whose table stands below the line of names.
 
-    `head_index` is the index of this line, `names` its cells, and `mark` ends each
-    cell. If the file has no times, the time is put before each row. FileFormatError if
-    it has a column of times for each channel.
+    `head_index` is the index of this line, and `names` are its cells; `mark` is the
+    delimiter. If the file has no times, they are added to the rows. FileFormatError if
+    the file has a column of times for each channel.
     """
     columns = first_value(entries, "x_columns", "One").casefold()
     if columns not in ("one", "no"):
@@ -251,20 +255,20 @@ def _labview_layout(
     table_line: Callable[[int, str], str] = as_written
     if columns == "no":
         table_line = _with_times(head_index, entries)
-    channels = names[1:]
+    channels = names[1:]  # without the head of the times
     count = first_value(entries, "channels", "")
     if count.isdecimal():
-        channels = channels[: int(count)]  # a column of comments follows
+        channels = channels[: int(count)]  # without the column of comments
     units = entries.get("y_unit_label", [])
     head = _head_line(channels, units, time_unit="s", mark=mark)
     return Layout(head, table_line)
 
 
 def _with_times(head_index: int, entries: Entries) -> Callable[[int, str], str]:
-    """Function that puts the time before each line of a table without times.
+    """A `Layout.table_line` that adds the time to each row of a table without times.
 
-    The table begins below the line with the index `head_index`. The times follow from
-    the entries X0 and Delta_X; FileFormatError if they are missing.
+    The table begins below the line of the index `head_index`. The times follow from the
+    entries X0 and Delta_X; FileFormatError if one of these is not a number.
     """
     try:
         start = float(first_value(entries, "x0", "").replace(",", "."))
@@ -277,9 +281,9 @@ def _with_times(head_index: int, entries: Entries) -> Callable[[int, str], str]:
     sign = first_value(entries, "decimal_separator", ".")
 
     def table_line(index: int, line: str) -> str:
-        """The row with its time before it; "" for a blank line.
+        """The row after its time; "" for a blank line.
 
-        The lines up to the heads stay as they are.
+        The lines up to the line of names are returned unchanged.
         """
         if index <= head_index:
             return line
@@ -287,18 +291,19 @@ def _with_times(head_index: int, entries: Entries) -> Callable[[int, str], str]:
             return ""
         row_number = index - head_index - 1  # from 0
         time = start + row_number * step
-        # A row begins with a mark, as the first column, of times, is empty.
+        # The row begins with a delimiter, since its first column, for times, is empty.
         return repr(time).replace(".", sign) + line
 
     return table_line
 
 
 def _tektronix_layout(entries: Entries, is_beside: bool) -> Layout:
-    """Layout of a file whose table stands below its entries, or to their right.
+    """Layout of a Tektronix file.
 
-    `is_beside` tells the latter. The heads are among its entries, or made of name and
-    unit of the channel for a table beside them. Otherwise all lines are taken as they
-    are.
+    The table stands below the entries or, if `is_beside`, to their right. Three cases:
+    if there is an entry "time", it is the row of heads, and lines are taken as they
+    are. Otherwise, if `is_beside`, the head is made from name and unit of the channel,
+    and the columns of entries are cut off. Otherwise lines are taken as they are.
     """
     time_unit = first_value(entries, "horizontal units", "")
     units = entries.get("vertical units", [])
@@ -310,7 +315,7 @@ def _tektronix_layout(entries: Entries, is_beside: bool) -> Layout:
     channel = first_value(entries, "source", "CH1")
 
     def table_line(_: int, line: str) -> str:
-        """What is to the right of the columns of entries."""
+        """The part of a line to the right of the columns of entries."""
         return line.split(",", COLUMNS_BESIDE)[-1]
 
     head = _head_line([channel], units[:1], time_unit, mark=",")
@@ -318,11 +323,11 @@ def _tektronix_layout(entries: Entries, is_beside: bool) -> Layout:
 
 
 def _head_line(channels: list[str], units: list[str], time_unit: str, mark: str) -> str:
-    """A line of heads, with `mark` between them: the time, then the channels.
+    """A line of heads, with the delimiter `mark`: first the time, then the channels.
 
-    Blank units at the end are dropped. If a single unit is left, it is that of all
-    channels; a channel may also have none. A column without a name, and a column of
-    comments, are left out, as they have no numbers.
+    Blank units at the end of `units` are dropped. A single remaining unit holds for all
+    channels; channels beyond the last unit have none. Channels without a name, and the
+    one called "comment", are left out, as their columns have no numbers.
     """
     while units and not units[-1]:
         units = units[:-1]

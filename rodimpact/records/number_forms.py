@@ -1,4 +1,4 @@
-"""How a line of a table is cut into numbers: delimiter and decimal sign.
+"""The form of the numbers in a text table: delimiter of cells, and decimal sign.
 
 Both are taken from the first rows if they are unambiguous there. Otherwise an error
 asks for the decimal sign; nothing is guessed.
@@ -14,9 +14,9 @@ from ..units import shown
 from .text_file import Survey
 
 FIRST_ROWS = 3
-"""Number of first rows that must have equally many numbers."""
+"""Number of rows at the start of a table that must have equally many numbers."""
 _NUMBER = r"[+-]?(?:\d+(?:{0})?|{1})(?:[eE][+-]?\d+)?|(?i:[+-]?(?:nan|inf(?:inity)?))"
-"""A number with the fraction {0} after whole digits, or {1} alone.
+"""Pattern of a number: {0} is a fraction after whole digits, {1} a fraction alone.
 
 nan and inf are numbers, too.
 """
@@ -27,41 +27,41 @@ _NUMBERS = {
 
 
 class NumberForm(NamedTuple):
-    """Delimiter, "" for blanks, and decimal sign."""
+    """Delimiter of cells and decimal sign of a table."""
 
-    delimiter: str
-    decimal: str
+    delimiter: str  # "" for blanks, any number of them
+    decimal: str  # "." or ","
 
     @property
     def to_points(self) -> dict[int, int]:
-        """Table for `str.translate` from this form to decimal points.
+        """Table for `str.translate` that makes decimal commas decimal points.
 
-        Commas and points change places if the comma is the decimal sign.
+        Points become commas at the same time. Without decimal commas it is empty.
         """
         if self.decimal == ",":
             return str.maketrans(",.", ".,")
         return {}
 
     def row(self, line: str) -> str:
-        """The line without delimiters at its end."""
+        """The line without the delimiters and blanks at its end."""
         return line.rstrip(f"{self.delimiter} \t\n")
 
     def cells(self, line: str) -> list[str]:
-        """Cells of a line, without blanks around them; a cell may be in quotes.
+        """Cells of a line, without the blanks around them and without quotes.
 
-        Blank cells at the end are left out.
+        Blank cells at the end of the line are left out.
         """
         line = self.row(line)
         if not self.delimiter:
             return line.split()
         row = line.split(self.delimiter)
         if '"' in line:
-            with suppress(csv.Error):  # quotes that do not end: cut as without quotes
+            with suppress(csv.Error):  # an unclosed quote: `row` stays as it is
                 row = next(csv.reader([line], delimiter=self.delimiter), [])
         return list(map(str.strip, row))
 
     def count_numbers(self, line: str) -> int:
-        """Count of numbers in a line; 0 if any cell is blank or no number."""
+        """Count of numbers in a line; 0 if any cell is blank or not a number."""
         cells = self.cells(line)
         if all(map(self.is_number, cells)):
             return len(cells)
@@ -73,9 +73,9 @@ class NumberForm(NamedTuple):
 
 
 COMMA_COLUMNS = NumberForm(",", ".")
-"""Commas separate the cells, and the decimal sign is a point."""
+"""Form in which commas separate the cells, and the decimal sign is a point."""
 QUOTED = NumberForm(",", ",")
-"""Commas separate the cells and are the decimal sign in numbers in quotes."""
+"""Form in which commas separate the cells and, inside quotes, are the decimal sign."""
 FORMS = [
     NumberForm("\t", "."),
     NumberForm("\t", ","),
@@ -90,13 +90,13 @@ FORMS = [
 
 
 class TableStart(NamedTuple):
-    """Where a table begins.
+    """Form of the numbers of a table, and the line with which it begins.
 
     Attributes
     ----------
     form : NumberForm
     line : int
-        Index of its first line.
+        Index of the first line of numbers.
     """
 
     form: NumberForm
@@ -104,17 +104,17 @@ class TableStart(NamedTuple):
 
 
 def find_table(lines: list[str], survey: Survey, decimal: str | None) -> TableStart:
-    """The first line of numbers, and how it is cut into them.
+    """The form of the numbers of a table, and its first line.
 
-    The form is that of the first `FIRST_ROWS` rows of equally many numbers. The table
-    may begin above them, see `_first_row`.
+    The form is the one in which `FIRST_ROWS` rows, as near to the top as possible, have
+    equally many numbers. The table may begin above these rows, see `_first_row`.
 
     Parameters
     ----------
     lines : list of str
         The first lines of the file.
     survey : Survey
-        Of the whole file: it tells decimal commas that the first lines do not show.
+        Facts about the whole file, which may have decimal commas below these lines.
     decimal : str, optional
         The decimal sign, if the user gave it.
 
@@ -124,14 +124,13 @@ def find_table(lines: list[str], survey: Survey, decimal: str | None) -> TableSt
         If there is no table of numbers, or the decimal sign is ambiguous.
     """
     forms = []
-    # The form with commas inside numbers and between cells is tried only in files that
-    # quote such cells.
+    # QUOTED is tried only if the file has a number with a decimal comma in quotes.
     for form in FORMS:
         is_wanted = decimal in (None, form.decimal)
         if is_wanted and (form != QUOTED or survey.quotes_commas):
             forms.append(form)
     matching: list[NumberForm] = []
-    start = 0
+    start = 0  # index of the first line at which a form matches
     for index in range(len(lines)):
         matching = _forms_from(lines, index, forms)
         if matching:
@@ -146,13 +145,13 @@ def find_table(lines: list[str], survey: Survey, decimal: str | None) -> TableSt
 def _forms_from(
     lines: list[str], start: int, forms: list[NumberForm]
 ) -> list[NumberForm]:
-    """Those of the forms in which the first rows from a line on are rows of numbers.
+    """The forms in which the lines from `start` on are rows of numbers, in their order.
 
-    The first `FIRST_ROWS` rows must have equally many. Blank lines between them do not
-    count; there may be fewer rows, if the lines end. A blank line at `start` matches no
+    The next `FIRST_ROWS` lines that are not blank must have equally many numbers; near
+    the end of the lines there may be fewer rows. A blank line at `start` matches no
     form.
     """
-    # A blank line may stand below each row.
+    # Twice as many lines, since a blank line may stand below each row
     nearest = lines[start : start + 2 * FIRST_ROWS]
     filled = list(filter(str.strip, nearest))
     first_rows = filled[:FIRST_ROWS]
@@ -160,7 +159,7 @@ def _forms_from(
     for form in forms:
         count = form.count_numbers(lines[start])
         counts = set(map(form.count_numbers, first_rows))
-        if count > 0 and counts == {count}:  # all rows have as many
+        if count > 0 and counts == {count}:  # all rows have `count` numbers
             matching.append(form)
     return matching
 
@@ -168,10 +167,10 @@ def _forms_from(
 def _first_row(lines: list[str], start: int, form: NumberForm) -> int:
     """Index of the first row of the table, which may lie above `start`.
 
-    It is the first line of as many numbers as the line at `start`, in the same form:
-    below it may stand rows of other lengths, such as one without some channels. A line
-    of words ends the search: what is above it belongs to the head. A blank line does
-    not. A table of one column begins at `start`.
+    The row is the highest line with as many numbers as the line at `start`, in the same
+    form. Lines with fewer or more numbers, such as a row in which channels are missing,
+    may stand between the two. The search upwards ends at a line of words, which belongs
+    to the head, but not at a blank line. A table of one column begins at `start`.
     """
     count = form.count_numbers(lines[start])
     if count == 1:
@@ -190,16 +189,15 @@ def _first_row(lines: list[str], start: int, form: NumberForm) -> int:
 def _chosen(
     matching: list[NumberForm], lines: list[str], start: int, survey: Survey
 ) -> NumberForm:
-    """One of the forms that match the first rows.
+    """The form of a table, from the forms `matching` its first rows.
 
     A form that finds several numbers in the line at `start` is preferred to a form that
-    finds a single one. If whole numbers fit both decimal signs, a comma is chosen if
-    the table has one anywhere, else a point. FileFormatError is raised if commas may
-    separate numbers or be decimal signs and the number of commas in the last head does
-    not decide it.
+    finds a single number. If the numbers fit both decimal signs, the sign is a comma if
+    the table has a comma anywhere, else a point. FileFormatError if commas may separate
+    numbers or be decimal signs, and the last head has not as many commas as the line.
     """
     line = lines[start]
-    # Forms with a single number count only if no form finds several.
+    # Forms that find a single number are used only if no form finds several.
     several = [form for form in matching if form.count_numbers(line) > 1]
     if not several:
         several = matching
@@ -210,8 +208,9 @@ def _chosen(
         for head in lines[:start]:
             if head.strip():
                 last_head = head
-        # If another form finds a single number, the comma may be its decimal sign. But
-        # commas separate columns if the last head has equally many.
+        # A form that finds a single number is in `matching`, but not in `several`: the
+        # comma may be its decimal sign. But commas separate columns if the last head
+        # has as many commas as the line.
         may_be_decimal = len(several) < len(matching)
         commas = COMMA_COLUMNS.count_numbers(line) - 1
         if may_be_decimal and last_head.count(",") != commas:
@@ -220,7 +219,8 @@ def _chosen(
                 'decimal comma; give decimal="." or decimal=","'
             )
         return COMMA_COLUMNS
-    # A comma in any line of the table, also below the first rows, is a decimal sign.
+    # Here commas do not separate cells, or only beside quoted numbers: a comma anywhere
+    # in the table, also far below, is a decimal sign.
     sign = "."
     if survey.last_comma_line >= start:
         sign = ","
@@ -231,11 +231,11 @@ def _chosen(
 
 
 def _why_none(lines: list[str], forms: list[NumberForm]) -> str:
-    """Why no first row of numbers is found, and the remedy: the end of a sentence.
+    """End of the message that no table is found: the reason and a remedy.
 
-    All lines are blank, or a line in the middle has a cell that is no number, or the
-    line has numbers and a line below it has not. The line is read in the form that
-    finds most numbers in it.
+    The reason is one of three: all lines are blank; the line in the middle has a cell
+    that is not a number; this line has numbers only, but a line below it has not as
+    many. The line is read in the form that finds most numbers in it.
     """
     filled = [i for i, line in enumerate(lines) if line.strip()]
     if not filled:
@@ -244,12 +244,12 @@ def _why_none(lines: list[str], forms: list[NumberForm]) -> str:
     line = lines[middle]
 
     def cells_that_are_numbers(form: NumberForm) -> int:
-        """How many cells of the line are numbers in a form, whatever the others are."""
+        """Number of cells of the line that are numbers in a form."""
         return sum(map(form.is_number, form.cells(line)))
 
     form = max(forms, key=cells_that_are_numbers)
-    count = form.count_numbers(line)  # 0 if a cell is no number
-    if count:  # This line could begin the numbers: so a line below it is none.
+    count = form.count_numbers(line)  # 0 if a cell is not a number
+    if count:  # the line matches, so the fault is in one of the next lines
         return (
             f": line {middle + 1} has {count} numbers, but not all lines below it; "
             "every line needs a number for each column"

@@ -1,12 +1,13 @@
 """Signals from the text tables of laboratory instruments.
 
 Delimiter, decimal sign, encoding and heads are taken from the file if they are
-unambiguous there. Otherwise an error asks for them; nothing is guessed.
+unambiguous there. Otherwise an error asks for them; nothing is guessed. The modules and
+what each of them finds::
 
     file -> text_file: lines -> instruments: lines of the table -> number_forms: cells
          -> heads: names and units -> table: columns -> sample_times -> signals
 
-A workbook is made a text first. A TDMS file has columns, names and units at once.
+A workbook is converted to text first. A TDMS file contains columns, names and units.
 """
 
 import os
@@ -37,13 +38,13 @@ from .tdms import read_tdms
 from .workbook import is_workbook, text_of_workbook
 
 MIN_CLIPPED_SAMPLES = 8
-"""Equal samples in a row at the largest value, at least, of a recorder at its limit."""
+"""Least length of a run of equal samples at the largest value of a clipped record."""
 MIN_CLIPPED_RATIO = 4
-"""Least ratio of equal samples in a row at the largest value to those at others."""
+"""Least ratio of the length of this run to that of the longest run at another value."""
 BLOCK_SAMPLES = 1 << 16
-"""Samples that are searched for runs of equal ones at a time."""
+"""Number of samples that are searched for runs of equal samples at a time."""
 MEMORY_RATIO = 4
-"""Bytes of memory for each byte of a table."""
+"""Bytes of memory needed for each byte of a file."""
 
 Ints: TypeAlias = NDArray[np.intp]
 
@@ -111,8 +112,8 @@ def read_signals(
         ``"."`` or ``","``; needed if the file is ambiguous: 0,1 may be two numbers, and
         1,234 may be a number of thousands.
     progress : bool or function
-        Whether a bar may show how far reading is. A function is called with the number
-        of characters read so far, and of all.
+        Whether to show a progress bar. A function is called with the number of
+        characters read so far and the number of all characters.
 
     Returns
     -------
@@ -123,10 +124,10 @@ def read_signals(
     Warns
     -----
     ClippedSignal
-        If a channel stays for long at its largest value, and at no other value.
+        If a channel stays for long at its largest or smallest value, and at no other.
     RoundedTimes
-        If the times have too few digits; then equal steps are taken, which agree with
-        the times to the last digit.
+        If the times have too few digits. They are replaced by equal steps, which agree
+        with them to the last digit.
 
     Raises
     ------
@@ -174,7 +175,8 @@ def read_signals(
             "cut it into shorter records",
         )
         try:
-            # Messages read the text of a workbook again, so it stays open to the end.
+            # Messages name lines, for which they read the text of a workbook again: it
+            # stays open until the signals are made.
             with ExitStack() as opened:
                 with Progress(progress, "reading", "characters") as report:
                     table = _table_in(file, decimal, report, opened)
@@ -184,7 +186,7 @@ def read_signals(
 
 
 class ColumnTable(Protocol):
-    """Columns with names and units, as `Table` describes them."""
+    """Columns with names and units: a `Table`, or the table of a TDMS file."""
 
     @property
     def names(self) -> list[str]:
@@ -196,19 +198,19 @@ class ColumnTable(Protocol):
 
     @property
     def columns(self) -> list[Floats]:
-        """Numbers of each column."""
+        """Numbers of each column, [row]; a list whose items may be replaced."""
 
     def place_of(self, row: int) -> str:
-        """Line or sample of a row, for messages."""
+        """Name of the line or sample of a row in messages; rows count from 0."""
 
 
 def _table_in(
     file: BinaryIO, decimal: str | None, report: ProgressReport, opened: ExitStack
 ) -> ColumnTable:
-    """Columns of a text, a workbook or a TDMS file, whichever the file is.
+    """The table in a file, which may be a text, a workbook or a TDMS file.
 
-    The decimal sign is that of a text, if the user gave it; that of a workbook is a
-    point. The text of a workbook is added to `opened`, which closes it.
+    `decimal`, the decimal sign that the user gave or None, is used for a text only; the
+    converted workbook has decimal points. `opened` closes the converted text later.
     """
     if os.fspath(file.name).casefold().endswith(TDMS_ENDING):
         return read_tdms(file)
@@ -227,11 +229,11 @@ def _signals(
 ) -> dict[str, Signal]:
     """Signal of each channel, by name, in SI units and over common times.
 
-    With `rate`, Hz, the times follow from it. A channel that is shorter than the times
-    has the first of them; one that may be clipped makes a warning. The columns leave
-    the table one by one, to save memory. FileFormatError for a column of fewer than two
-    numbers, without times, with times that end early, or with a column of times beside
-    `rate`.
+    With `rate`, Hz, the times are k/rate, from 0 on. A shorter channel has the first of
+    the times. A channel that may be clipped causes a `ClippedSignal` warning. To save
+    memory, the columns are removed from the table one by one. FileFormatError if a
+    column has fewer than two numbers, if the times are missing or end early, or if
+    there is a column of times although `rate` is given.
     """
     lengths = [len(column) for column in table.columns]
     row_count = max(lengths)
@@ -248,7 +250,8 @@ def _signals(
             raise FileFormatError(
                 f"has a column of times, {shown(time_columns[0])}; leave rate out"
             )
-    # Index of the column of each channel, by name
+    # Index of the column of each channel, by name; without `time_column`, which is None
+    # if there is a rate
     channels = {name: j for j, name in enumerate(table.names) if j != time_column}
     if time_column is not None:
         if lengths[time_column] < row_count:
@@ -261,7 +264,7 @@ def _signals(
     else:
         assert rate is not None
         times = np.arange(float(row_count))
-        times /= rate
+        times /= rate  # in place, to save memory
     times.flags.writeable = False
     user_units = _units_of(channels, units)
     signals = {}
@@ -272,7 +275,8 @@ def _signals(
         clipping = _clipping(table, j)  # "" for a channel that is not clipped
         values, si_unit = _take_in_si(table, j, unit, option="units")
         if clipping:
-            warnings.warn(clipping, ClippedSignal, stacklevel=4)  # at the user's call
+            # Level 4 is the user's call of `read_signals`.
+            warnings.warn(clipping, ClippedSignal, stacklevel=4)
         signals[name] = signal_of(values, times[: len(values)], si_unit, name)
     return signals
 
@@ -285,9 +289,9 @@ def _named_times(table: ColumnTable) -> list[str]:
 def _time_column(table: ColumnTable, time: str | None) -> int:
     """Index of the column of times.
 
-    It is the column called `time`, if given; else the one called time or t, or without
-    heads the first one that increases. FileFormatError if several columns may be it or
-    none, or if there is no other column.
+    It is the column called `time`; if that is None, the column called time or t; in a
+    table without heads, the first column that increases. FileFormatError if there is no
+    such column or more than one, or if the table has no other column.
     """
     expected = "time"
     has_heads = table.names[0] != "1"  # without heads columns are called 1, 2 and so on
@@ -310,10 +314,10 @@ def _time_column(table: ColumnTable, time: str | None) -> int:
 
 
 def _first_increasing(table: ColumnTable) -> str:
-    """Name of the first column that increases throughout: the times, without heads.
+    """Name of the first column that increases throughout, or else of the first column.
 
-    Some scopes write the values before the times. Without such a column it is the
-    first.
+    In a table without heads it is taken as the column of times. It need not be the
+    first column: some scopes write the values before the times.
     """
     for name, column in zip(table.names, table.columns, strict=True):
         if np.all(np.diff(column) > 0):
@@ -322,10 +326,10 @@ def _first_increasing(table: ColumnTable) -> str:
 
 
 def _units_of(channels: Mapping[str, int], units: Any) -> Mapping[str, Any]:
-    """Units of channels that the user gave, by name; a single one holds for all.
+    """Unit that the user gave for each channel, by name of the channel.
 
-    Without units, None, each channel has None; a mapping is returned as it is.
-    InvalidModel for an unknown channel in it.
+    A single unit holds for all channels; None gives None for all. A mapping is returned
+    as it is, and may lack channels. InvalidModel if it names an unknown channel.
     """
     if not isinstance(units, Mapping):
         return dict.fromkeys(channels, units)
@@ -341,10 +345,11 @@ def _units_of(channels: Mapping[str, int], units: Any) -> Mapping[str, Any]:
 def _take_in_si(
     table: ColumnTable, column: int, unit: Any, option: str
 ) -> tuple[Floats, str]:
-    """Take a column out of the table: its numbers in SI units and their SI unit.
+    """Remove the numbers of a column from the table, and convert them to SI units.
 
-    The numbers are read-only. The table keeps an empty column. FileFormatError for an
-    unknown unit; it names `option`, the argument that gives another one.
+    Returns the numbers, which are read-only, and their SI unit. An empty column is left
+    in the table. FileFormatError for an unknown unit; its remedy names `option`, the
+    argument of `read_signals` that gives a unit.
     """
     numbers = table.columns[column]
     try:
@@ -358,10 +363,10 @@ def _take_in_si(
 
 
 def _times(table: ColumnTable, column: int, unit: str | None) -> Floats:
-    """Times in s, as `checked_times` has them; the column leaves the table.
+    """Times in s, checked by `checked_times`; the column is emptied in the table.
 
-    `unit` is the one that the user gave, else that of the column counts.
-    FileFormatError if it is none of time, or if the times are wrong.
+    `unit` is the unit that the user gave; if it is None, the unit of the column is
+    used. FileFormatError if this is not a unit of time, or if the times are wrong.
     """
     name = shown(table.names[column])
     if not unit:
@@ -372,23 +377,25 @@ def _times(table: ColumnTable, column: int, unit: str | None) -> Floats:
             f"column {name}: has no unit of time; give time_unit=, one of 's', 'ms', "
             "'us', 'ns', or give the head of the column of times as time="
         )
-    return checked_times(times, name, table.place_of, stacklevel=6)  # the user's call
+    # Level 6 of a warning is the user's call of `read_signals`.
+    return checked_times(times, name, table.place_of, stacklevel=6)
 
 
 def _clipping(table: ColumnTable, column: int) -> str:
-    """A sentence if a channel stays long at its largest or smallest value alone.
+    """Sentence of the warning if a channel may be clipped, otherwise "".
 
-    "" otherwise. Long is `MIN_CLIPPED_SAMPLES`, and `MIN_CLIPPED_RATIO` times as long
-    as at any other value. A channel may rest long at its first value.
+    It may be clipped if it stays at its largest or smallest value for
+    `MIN_CLIPPED_SAMPLES` and for `MIN_CLIPPED_RATIO` times as long as at any other
+    value. The first value of the channel, that of rest, counts as one of the others.
     """
     values = table.columns[column]
     low = values.min()
     high = values.max()
-    longest = 0  # samples of the longest run of equal ones at a limit
-    longest_start = 0  # index of its first sample
-    longest_other = 0  # samples of the longest run at another value
+    longest = 0  # number of samples of the longest run at a limit, low or high
+    longest_start = 0  # index of the first sample of this run
+    longest_other = 0  # number of samples of the longest run at another value
     for starts, lengths in _runs(values):
-        level = values[starts]  # [run], as the arrays below
+        level = values[starts]  # value of each run, [run]; so are the arrays below
         is_extreme = (level == low) | (level == high)
         at_limit = is_extreme & (level != values[0])
         lengths_at_limit = np.where(at_limit, lengths, 0)
@@ -408,18 +415,18 @@ def _clipping(table: ColumnTable, column: int) -> str:
 
 
 def _runs(values: Floats) -> Iterator[tuple[Ints, Ints]]:
-    """Starts and lengths of runs of equal samples, as arrays [run], block by block.
+    """Yield arrays of starts and lengths of runs of equal samples, [run], by blocks.
 
-    A run that goes on in the next block comes with the block in which it ends; a block
-    in which no run ends gives nothing.
+    A run is yielded with the block in which it ends. Nothing is yielded for a block in
+    which no run ends.
     """
     count = len(values)
-    begin = 0  # start of the run that goes on from the block before
+    begin = 0  # start of the first run that has not ended yet
     for start in range(0, count, BLOCK_SAMPLES):
-        # A block ends with the first sample of the next one.
+        # One more sample, the first of the next block, shows a change between blocks.
         block = values[start : start + BLOCK_SAMPLES + 1]
-        changes = np.flatnonzero(block[1:] != block[:-1])  # last samples of runs
-        ends = start + 1 + changes  # indices behind the last samples, in `values`
+        changes = np.flatnonzero(block[1:] != block[:-1])  # last samples, in `block`
+        ends = start + 1 + changes  # index after the last sample, in `values`
         is_last_block = start + BLOCK_SAMPLES >= count
         if is_last_block:
             ends = np.append(ends, count)

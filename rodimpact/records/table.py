@@ -21,14 +21,14 @@ from .number_forms import COMMA_COLUMNS, find_table
 from .text_file import TextFile
 
 BLOCK_ROWS = 4096
-"""Rows that are cut into numbers at a time."""
+"""Number of rows that are converted to numbers at a time."""
 REMEDY = "correct the line, or cut the record before it"
-"""For a line that is wrong: without this line alone a sample would be missing."""
+"""Remedy for a wrong line. Without this line alone, a sample would be missing."""
 THOUSANDS = {
     ".": re.compile(r"[+-]?[1-9]\d{0,2}(\.\d{3})+"),
     ",": re.compile(r"[+-]?[1-9]\d{0,2}(,\d{3})+"),
 }
-"""Numbers that separate thousands, or have three digits after the decimal sign."""
+"""Patterns of numbers whose sign may separate thousands or be a decimal sign: 1,234."""
 
 
 class Table:
@@ -40,20 +40,20 @@ class Table:
     decimal : str, optional
         The decimal sign, if the user gave it.
     report : function
-        Told how many characters are read, and of how many.
+        It is called with the number of characters read so far and the total number.
 
     Raises
     ------
     FileFormatError
-        If there is no table, or it is incomplete; with line and column.
+        If there is no table, or it is incomplete; the error names line and column.
 
     Attributes
     ----------
     names, units : list of str
-        Of each column.
+        Name and unit of each column.
     columns : list of array, shape (rows,)
-        Numbers of each column; a column that ends with blank cells is shorter. A reader
-        that needs a column no more may take it from the list.
+        Numbers of each column; a column that ends with blank cells is shorter. To save
+        memory, the reader may replace a column that is no longer needed.
     """
 
     def __init__(
@@ -61,22 +61,23 @@ class Table:
     ) -> None:
         """Find the table and its heads in the first lines, and read all columns.
 
-        `decimal` is the sign that the user gave, if any. FileFormatError without a
-        table, or with a wrong cell. `report` is told how far the reading is.
+        `decimal` is the decimal sign that the user gave, or None. `report` is called
+        with the number of characters read so far and the total number. FileFormatError
+        if there is no table, for a wrong cell, and if the decimal sign is ambiguous.
         """
         self._text = TextFile(file)
         survey = self._text.survey
         head = survey.head.split("\n")
         layout = find_layout(head)
         if survey.characters > len(survey.head):
-            head.pop()  # this line goes on beyond the head
+            head.pop()  # the last line, which the end of the head may cut off
         self._table_line = layout.table_line
         lines = [layout.table_line(i, line) for i, line in enumerate(head)]
         start = find_table(lines, survey, decimal)
         self._form = start.form
         self._first = start.line  # index of the first row of numbers
         self._count = self._form.count_numbers(lines[start.line])  # of columns
-        self._has_blanks = False  # whether a cell is blank
+        self._has_blanks = False  # whether a cell is blank; `_checked` sets it
         above = lines[: start.line]
         if layout.head:
             above.append(layout.head)
@@ -84,22 +85,22 @@ class Table:
         self.names = [head.name for head in heads]
         self.units = [head.unit for head in heads]
         self.columns = self._read_columns(report)
-        # Where commas separate cells, a point is a decimal sign.
+        # If commas separate cells, a point is the decimal sign for certain.
         if decimal is None and self._form != COMMA_COLUMNS:
             self._check_decimal()
 
     def place_of(self, row: int) -> str:
         """Name of the line of a row, such as "line 12".
 
-        Rows count from 0, and lines from 1.
+        Rows count from 0, and lines of the file from 1.
         """
         number, _ = next(islice(self._rows(), row, None))
         return f"line {number}"
 
     def _rows(self) -> Iterator[tuple[int, str]]:
-        """Number, from 1, and text of each line of the table, without its line end.
+        """Yield number, from 1, and text of each line of the table, without line end.
 
-        Blank lines, and lines of delimiters alone, are left out.
+        Blank lines, and lines with nothing but delimiters, are left out.
         """
         lines = islice(enumerate(self._text.lines()), self._first, None)
         for index, line in lines:
@@ -111,14 +112,14 @@ class Table:
     def _read_columns(self, report: ProgressReport) -> list[Floats]:
         """Numbers of each column, read in blocks of rows.
 
-        Blank cells at the end of a column are cut off. `report` is told how far the
-        reading is.
+        Blank cells at the end of a column are cut off. FileFormatError for a cell that
+        is not a finite number, and for a blank cell elsewhere.
         """
         survey = self._text.survey
-        most_rows = survey.lines - self._first
+        most_rows = survey.lines - self._first  # fewer if there are blank lines
         columns = [np.empty(most_rows) for _ in range(self._count)]
         rows = self._rows()
-        filled = 0  # rows
+        filled = 0  # number of rows read so far
         characters = 0
         while block := list(islice(rows, BLOCK_ROWS)):
             numbers = self._numbers_in(block)  # [row, column]
@@ -128,20 +129,21 @@ class Table:
             characters += sum(len(row) + 1 for _, row in block)  # with the line end
             report(min(characters, survey.characters), survey.characters)
         for column in columns:
-            column.resize(filled, refcheck=False)  # blank lines took no row
+            column.resize(filled, refcheck=False)  # removes the rows of blank lines
         if self._has_blanks:
             self._cut_blank_ends(columns)
         return columns
 
     def _cut_blank_ends(self, columns: list[Floats]) -> None:
-        """End each column before the blank cells, NaN, at its end, in place.
+        """Shorten each column, in place, by the blank cells (NaN) at its end.
 
-        FileFormatError if numbers come after blank cells, or in a blank column.
+        FileFormatError if a number comes after a blank cell, and for a column that has
+        only blank cells.
         """
         for name, column in zip(self.names, columns, strict=True):
             is_blank = np.isnan(column)
-            # Index of the first number from the end on; 0 in a blank column, which is
-            # then refused.
+            # `argmin` finds the last number, counted from the end. It is 0 if all cells
+            # are blank; the next check then refuses the column.
             blanks_at_end = int(is_blank[::-1].argmin())
             count = len(column) - blanks_at_end
             if is_blank[:count].any():
@@ -150,14 +152,15 @@ class Table:
             column.resize(count, refcheck=False)
 
     def _numbers_in(self, block: list[tuple[int, str]]) -> Floats:
-        """Numbers of some rows, [row, column]; FileFormatError where a cell is none.
+        """Numbers of some rows, [row, column], with NaN for a blank cell.
 
-        `block` has the number of the line and the text of each row. A blank cell is
-        NaN.
+        `block` has the number of the line and the text of each row. FileFormatError for
+        a cell that is not a finite number, and for a row with too many cells.
         """
         to_points = self._form.to_points
-        delimiter = None  # any blanks
+        delimiter = None  # for `loadtxt`: any number of blanks
         if self._form.delimiter:
+            # `to_points` makes a comma a point in the rows, so in the delimiter, too.
             delimiter = self._form.delimiter.translate(to_points)
         try:
             numbers: Floats = np.loadtxt(
@@ -168,19 +171,20 @@ class Table:
                 ndmin=2,
             )
         except ValueError:
-            numbers = np.empty((0, 0))  # not complete
+            numbers = np.empty((0, 0))  # incomplete, see the next check
         is_complete = numbers.shape == (len(block), self._count)
         if not is_complete or not np.isfinite(numbers).all():
-            # Cell by cell, which takes blank cells, and names the first wrong one
+            # Slower, cell by cell: this accepts blank cells, and the error names the
+            # first wrong cell.
             return np.array([self._checked(line, row) for line, row in block])
         return numbers
 
     def _checked(self, line: int, row: str) -> list[float]:
-        """Numbers of a row, NaN for a blank cell.
+        """Numbers of a row, with NaN for a blank cell.
 
-        FileFormatError for a cell that is no finite number. Missing cells at the end
-        are blank; more cells than columns are an error, too. `_has_blanks` keeps that a
-        cell is blank.
+        Missing cells at the end count as blank; a blank cell sets `_has_blanks`.
+        FileFormatError, with the number `line`, for a cell that is not a finite number,
+        and for more cells than columns.
         """
         cells = self._form.cells(row)
         if len(cells) > self._count:
@@ -202,17 +206,17 @@ class Table:
 
     @staticmethod
     def _invalid_cell(place: str, name: str, cell: str) -> FileFormatError:
-        """The error for a cell that is no finite number, with its place and column."""
+        """The error for a cell that is not a finite number, with line and column."""
         return FileFormatError(
             f"{place}, column {shown(name)}: must be a finite number, "
             f"got {shown(cell)}; {REMEDY}"
         )
 
     def _check_decimal(self) -> None:
-        """FileFormatError if all numbers with the decimal sign are like 1,234.
+        """Raise FileFormatError if all numbers with the decimal sign are like 1,234.
 
-        They may be thousands. A single number that is not like that shows that the sign
-        is a decimal one; numbers without the sign are whole.
+        The sign may then separate thousands. A single number of another pattern proves
+        that it is a decimal sign. Numbers without the sign prove nothing.
         """
         sign = self._form.decimal
         first = ""  # the first cell with the sign
@@ -229,7 +233,7 @@ class Table:
             )
 
     def _cells_with(self, sign: str) -> Iterator[str]:
-        """Cells of all rows of the table that have a sign in them."""
+        """Yield the cells of the table that contain a sign."""
         for _, row in self._rows():
             if sign not in row:
                 continue

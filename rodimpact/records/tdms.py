@@ -1,4 +1,4 @@
-"""Channels of TDMS files, which LabVIEW writes, with times from their properties."""
+"""Channels of TDMS files of LabVIEW, with times from the properties of the channels."""
 
 from __future__ import annotations
 
@@ -14,18 +14,18 @@ from .heads import spelt
 
 ENDING = ".tdms"
 TIME = "time"
-"""Name of the column of times that are made from the properties of the channels."""
+"""Name of the column of times, which is made from the properties of the channels."""
 
 
 class ChannelTable(NamedTuple):
-    """Columns of a TDMS file, as `Table` has those of a text."""
+    """Columns of a TDMS file, with the same attributes as a `Table`."""
 
     names: list[str]
     units: list[str]
     columns: list[Floats]
 
     def place_of(self, row: int) -> str:
-        """Sample of a row, from 1 on."""
+        """Name of the sample of a row, such as "sample 1" for the row 0."""
         return f"sample {row + 1}"
 
 
@@ -37,17 +37,17 @@ class _Clock(NamedTuple):
 
 
 def read_tdms(file: BinaryIO) -> ChannelTable:
-    """Channels of numbers in a TDMS file.
+    """Channels of numbers in a TDMS file, after a column of times.
 
-    Times, the first column, come from ``wf_start_offset`` and ``wf_increment``; without
-    these properties there are none. Channels without numbers are left out. Needs the
-    extra ``tdms``.
+    The times follow from the properties ``wf_start_offset`` and ``wf_increment``, s.
+    Without a time step the column of times is left out, as are channels without
+    numbers. Needs the extra ``tdms``.
 
     Raises
     ------
     FileFormatError
-        If the file is no TDMS file, has no channel of numbers, or its channels have
-        different time steps.
+        If the file is not a TDMS file, has no channel of numbers, or its channels have
+        different start times or time steps.
     """
     nptdms = optional("nptdms", "tdms")
     file.seek(0)
@@ -81,7 +81,7 @@ def read_tdms(file: BinaryIO) -> ChannelTable:
 
 
 def _names_of(channels: list[Any]) -> list[str]:
-    """Names of channels, as ``group/name`` where several groups have the name."""
+    """Names of channels; ``group/name`` if several channels have the same name."""
     names = [str(channel.name) for channel in channels]
     full_names = []
     for name, channel in zip(names, channels, strict=True):
@@ -92,10 +92,10 @@ def _names_of(channels: list[Any]) -> list[str]:
 
 
 def _common_clock(names: list[str], channels: list[Any]) -> _Clock | None:
-    """The clock of all channels; None without one.
+    """Start time and time step of all channels; None if they have no time step.
 
-    The properties of a channel tell its time step and its start, s; without them, or
-    with a step of 0, it has no clock. FileFormatError if the channels differ.
+    Both are properties of a channel, and 0 if the property is missing. FileFormatError
+    if the channels differ in either.
     """
     clocks = []
     for channel in channels:

@@ -10,9 +10,9 @@ from ..storage.reading import FileFormatError
 
 NO_TEXT = "is not text (it contains the character NUL); export it as text, in UTF-8"
 BLOCK = 1 << 17
-"""Number of characters read at a time.
+"""Number of characters read at a time, to the end of a line.
 
-It is also the largest number above a table, and between two reports of progress.
+The table must begin within the first block.
 """
 QUOTED_COMMA = re.compile(r'"[+-]?\d*,\d+(?:[eE][+-]?\d+)?"')
 """A number with a decimal comma, in quotes."""
@@ -20,7 +20,7 @@ MINUS = "\N{MINUS SIGN}"
 
 
 class Survey(NamedTuple):
-    """Facts about a whole text, most of which its first lines do not show.
+    """Facts about a whole text.
 
     Attributes
     ----------
@@ -46,17 +46,18 @@ class Survey(NamedTuple):
 class TextFile:
     """A file of text: UTF-8, UTF-16 with a byte order mark, or Latin-1.
 
-    Lines may end in any way; minus signs of typography are hyphens here.
+    All kinds of line ends are accepted. Typographic minus signs are read as hyphens.
     """
 
     def __init__(self, file: BinaryIO) -> None:
-        """Find the encoding, and survey the whole text in it.
+        """Find the encoding, and read the whole text once for its `survey`.
 
-        UTF-16 begins with its mark; a text that is not UTF-8 is taken for Latin-1.
-        FileFormatError for a text with the character NUL.
+        A text with a mark of UTF-16 is read as UTF-16; any other text as UTF-8 or, if
+        it is not valid UTF-8, as Latin-1. FileFormatError for a text with the character
+        NUL.
         """
         self._descriptor = file.fileno()
-        encoding = "utf-8-sig"
+        encoding = "utf-8-sig"  # UTF-8, with or without a byte order mark
         if file.read(2) in (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE):
             encoding = "utf-16"
         try:
@@ -65,16 +66,16 @@ class TextFile:
             self.survey = self._surveyed("latin-1")
 
     def lines(self) -> Iterator[str]:
-        """All lines, each with its end."""
+        """Yield all lines, each with its line end."""
         with self._opened(self.survey.encoding) as text:
             for line in text:
                 yield line.replace(MINUS, "-")
 
     def _surveyed(self, encoding: str) -> Survey:
-        """Read the whole text once, block by block, for its survey.
+        """Read the whole text once, block by block, and return its survey.
 
-        FileFormatError if it has the character NUL, UnicodeDecodeError if it has
-        another encoding.
+        FileFormatError if the text has the character NUL, UnicodeDecodeError if it has
+        a different encoding.
         """
         head = ""
         characters = 0
@@ -89,8 +90,9 @@ class TextFile:
                 is_first = characters == 0
                 if is_first:
                     head = block[:BLOCK].replace(MINUS, "-")
-                comma = block.rfind(",")  # -1 if there is none
+                comma = block.rfind(",")  # position of the last comma; -1 without any
                 if comma >= 0:
+                    # Number of line ends before the comma
                     last_comma_line = line_ends + block.count("\n", 0, comma)
                 if '"' in block and not quotes_commas:
                     quotes_commas = QUOTED_COMMA.search(block) is not None
@@ -100,12 +102,12 @@ class TextFile:
             encoding=encoding,
             head=head,
             characters=characters,
-            lines=line_ends + 1,  # the last line has no end
+            lines=line_ends + 1,  # the last line has no line end
             last_comma_line=last_comma_line,
             quotes_commas=quotes_commas,
         )
 
     def _opened(self, encoding: str) -> TextIO:
-        """The text from its beginning; the file stays open when it is closed."""
+        """The text from its beginning; closing it leaves the file open."""
         os.lseek(self._descriptor, 0, os.SEEK_SET)
         return open(self._descriptor, encoding=encoding, closefd=False)

@@ -1,6 +1,6 @@
-"""Workbooks of spreadsheets, as text: the first sheet, with tabs between its cells.
+"""Conversion of a workbook to text: the first sheet, with tabs between its cells.
 
-From there on they are read as other tables are: a row is a line.
+Each row becomes a line, so the text is read as any other table.
 """
 
 from __future__ import annotations
@@ -26,10 +26,10 @@ Instruments call tables of text by this name, too.
 
 
 def is_workbook(file: BinaryIO) -> bool:
-    """Whether an open file is a workbook, by the end of its name.
+    """Whether an open file is a workbook, according to the ending of its name.
 
-    If that is .xls, which texts may have, too, the first bytes tell; reading goes on
-    behind them then.
+    Texts may be called .xls, too: for this ending the first bytes decide, and the file
+    position is left after them.
     """
     ending = _ending(file)
     if ending == OLD_ENDING:
@@ -41,8 +41,8 @@ def is_workbook(file: BinaryIO) -> bool:
 def text_of_workbook(file: BinaryIO) -> BinaryIO:
     """The first sheet of a workbook as a file of text, in UTF-8 (extra ``excel``).
 
-    It is a temporary file with tabs between cells, at its beginning; the caller closes
-    it.
+    The result is a temporary file with tabs between cells, positioned at its beginning.
+    The caller must close it.
 
     Raises
     ------
@@ -79,8 +79,8 @@ def _ending(file: BinaryIO) -> str:
 
 
 def _rows_of_xlsx(openpyxl: Any, file: BinaryIO) -> Iterator[str]:
-    """Rows of the first sheet of a workbook from .xlsx on, with tabs between cells."""
-    # `data_only` gives the values of formulas.
+    """Yield the rows of the first sheet (.xlsx, .xlsm), with tabs between cells."""
+    # `data_only`: the values of formulas, not their texts
     book = openpyxl.load_workbook(file, read_only=True, data_only=True)
     with closing(book):
         for row in book.worksheets[0].iter_rows(values_only=True):
@@ -88,7 +88,7 @@ def _rows_of_xlsx(openpyxl: Any, file: BinaryIO) -> Iterator[str]:
 
 
 def _rows_of_xls(xlrd: Any, file: BinaryIO) -> Iterator[str]:
-    """Rows of the first sheet of an old workbook, with tabs between cells."""
+    """Yield the rows of the first sheet of an old workbook, with tabs between cells."""
     # Without a log xlrd prints to the standard output.
     book = xlrd.open_workbook(file_contents=file.read(), logfile=io.StringIO())
     for row in book.sheet_by_index(0).get_rows():
@@ -96,7 +96,7 @@ def _rows_of_xls(xlrd: Any, file: BinaryIO) -> Iterator[str]:
 
 
 def _cell_text(cell: Any) -> str:
-    """A cell as text on one line; an empty one is None or ""."""
+    """A cell as text on one line; "" for an empty cell, which is None or ""."""
     if cell is None:
         return ""
     return " ".join(str(cell).split())
