@@ -1,7 +1,7 @@
 """Chunks of a sweep: some members of a family, which are run in one job.
 
-A chunk is a smaller family. Whoever runs it, and in which order, its columns are the
-same bit for bit.
+A chunk is itself a smaller family. Its columns are the same bit for bit, whichever
+worker runs it, and in whichever order the chunks are run.
 """
 
 import contextlib
@@ -36,19 +36,19 @@ from .readings import RequestedReadings
 
 
 class Chunk(NamedTuple):
-    """Some members of a family, and what is wanted of them.
+    """Some members of a family, with the options and readings of their sweep.
 
     Attributes
     ----------
     system : System
         A smaller family, of these members.
     options : Options
-        With the method that is chosen.
+        Options of the sweep; their method is the chosen one, never "auto".
     readings : RequestedReadings
     in_one_call : bool
-        Whether the method runs members of this family in one call. Energies of
-        vibration then differ in their last digits, so all chunks of a family are run in
-        the same way.
+        Whether the method runs all members of the chunk in one call. Vibration energies
+        then differ in their last digits from those of single runs, so this is the same
+        for all chunks of a family.
     """
 
     system: System
@@ -64,40 +64,42 @@ def run_jobs(
     store: Checkpoint,
     pool: Pool,
 ) -> Generator[list[JobResult]]:
-    """Run the members that the store does not have, in jobs.
+    """Run the members that the store does not have, as jobs of the pool.
 
-    Lists of jobs that have ended are yielded, with their columns, as by
-    `jobs.results_of`; the caller puts them into the store. There are about eight jobs a
-    worker, or a hundred if the store is on disk. If it is not, a single worker whose
-    method runs many members in one call gets as few jobs as possible.
+    The generator is that of `jobs.results_of`: it yields lists of jobs that have ended,
+    with their columns. The caller puts them into the store. Each worker gets about
+    eight jobs, or about a hundred if the store is on disk. If the store is in memory, a
+    single worker whose method runs many members in one call gets as few jobs as
+    possible.
     """
     size = math.prod(system.shape)
     row_size = math.prod(system.shape[1:])  # members with one index of the first axis
     members_per_call = METHODS[options.method].members_per_call(build_row(system))
     in_one_call = members_per_call > 0  # 0: the method runs each member alone
     largest_job = size
-    # No bound where members are solved one by one, too: that takes the longer time.
+    # Members that are also solved one by one need no such bound: solving them takes
+    # longer than the call.
     if in_one_call and not needs_solutions(options, readings):
         largest_job = members_per_call
-    missing = store.missing()  # spans of members, from `start` to `stop` - 1
+    missing = store.missing()  # spans (start, stop) of members without results
     missing_count = 0
     for start, stop in missing:
         missing_count += stop - start
 
     def submit(start: int, stop: int) -> Future[Columns]:
-        """Hand the members `start` to `stop - 1` over to the executor."""
+        """Submit the members `start` to `stop - 1` to the executor as one job."""
         members = members_of(system, start, stop)
         chunk = Chunk(members, options, readings, in_one_call)
-        if pool.stop is None:  # other processes cannot ask whether to stop
+        if pool.stop is None:  # a given executor: its jobs cannot ask whether to stop
             return pool.executor.submit(run_chunk, chunk)
-        # Jobs begin in order: members that the store lacks behind those of this job
-        # will be run in this process.
+        # Jobs begin in order, so all missing members after this job are still to be run
+        # in this process.
         later_members = int(np.count_nonzero(~store.done[stop:]))
         return pool.executor.submit(run_chunk, chunk, pool.stop, later_members)
 
     jobs_a_worker = JOBS_A_WORKER
     if pool.workers == 1 and in_one_call:
-        jobs_a_worker = 1  # there is no other worker that would wait for this one
+        jobs_a_worker = 1  # there is no second worker to share the work with
     if store.path is not None:
         jobs_a_worker = JOBS_A_WORKER_TO_KEEP
     job_count = jobs_a_worker * pool.workers
@@ -111,27 +113,27 @@ def run_jobs(
 def members_of(system: System, start: int, stop: int) -> System:
     """Members `start` to `stop - 1` of a family in C order, as a smaller family.
 
-    For all members this is the family itself. Whole rows, which have one index of the
-    first axis each, keep the other axes: the shape is (rows, ...). Other members stand
-    along a single axis: the shape is (stop - start,).
+    All members together are the family itself. A row consists of the members with one
+    index of the first axis. Whole rows keep the other axes: the result has the shape
+    (rows, ...). Any other span of members has the shape (stop - start,).
     """
     if stop - start == math.prod(system.shape):
         return system
     row_size = math.prod(system.shape[1:])  # members with one index of the first axis
     are_whole_rows = start % row_size == 0 and stop % row_size == 0
     if are_whole_rows:
-        # A slice keeps numbers that vary along other axes alone as small as they are;
-        # an index, as below, repeats them.
+        # A slice leaves the numbers that vary only along other axes as they are; the
+        # index arrays below would repeat them for each row.
         return system[start // row_size : stop // row_size]
     members = np.arange(start, stop)
     return system[np.unravel_index(members, system.shape)]
 
 
 def needs_solutions(options: Options, readings: RequestedReadings) -> bool:
-    """Whether each member must be solved alone, for what is to be read of it.
+    """Whether the readings require that each member is solved alone.
 
-    Gauges need it, and so do names of `also` that the method does not find when it runs
-    many members in one call.
+    Gauges require it, and so do names of `also` that the method does not compute when
+    it runs many members in one call.
     """
     if readings.gauges:
         return True
@@ -144,17 +146,17 @@ def run_chunk(
     should_stop: Callable[[], bool] = lambda: False,
     later_members: int = 0,
 ) -> Columns:
-    """Columns of the members of a chunk, by name, with an entry a member in C order.
+    """Run a chunk and return its columns by name, one entry per member in C order.
 
-    They are those of `layout_of`, with its types. Members are run in one call, one by
-    one, or both if the readings need solutions. Stopped is raised if the sweep shall
-    give up.
+    The columns and their types are those of `layout_of`. Members are run in one call if
+    `chunk.in_one_call`, else one by one; if the readings need solutions, they are run
+    in both ways. Stopped is raised if `should_stop` returns true.
 
     Parameters
     ----------
     chunk : Chunk
     should_stop : function
-        Asked now and then whether to give up.
+        Called now and then; it returns true if the run shall be abandoned.
     later_members : int
         Number of members that are certain to follow in this process: with many of them
         the method compiles its kernels.
@@ -164,8 +166,8 @@ def run_chunk(
         if not chunk.in_one_call or needs_solutions(chunk.options, chunk.readings):
             columns = _one_by_one(chunk, should_stop)
         if chunk.in_one_call:
-            # Columns of the call replace those of the same name of single members: a
-            # sweep with gauges has the same digits as one without.
+            # Columns of the call replace the columns of the same name from single
+            # members, so that a sweep with gauges has the same digits as one without.
             columns |= _in_one_call(chunk, should_stop, later_members)
     finally:
         memory.end_turn()  # others may now take more than their share of memory
@@ -176,30 +178,31 @@ def run_chunk(
 
 
 def _one_by_one(chunk: Chunk, should_stop: Callable[[], bool]) -> Columns:
-    """Columns of members that are solved each alone, by name, [member, ...].
+    """Solve each member alone and return the columns by name, [member, ...].
 
-    They are those of `layout_of`, with all names of `also` and with strains. A member
-    that the method refuses is nan or 0 there, see `_empty_columns`. Stopped is raised
-    if the sweep shall give up.
+    The columns are all those of `layout_of`, including the names of `also` and the
+    strains. The entries of a member that the method refuses are nan or 0, see
+    `_empty_columns`. Stopped is raised if `should_stop` returns true.
     """
     system = chunk.system
     readings = chunk.readings
-    # Snapshots that no reading needs are not kept.
+    # States that no reading needs are not stored.
     options = _without_unread_states(chunk.options, readings)
     columns = _empty_columns(system, readings)
 
     def raise_if_stopped(*_: Any) -> None:
-        """Raise Stopped if the sweep shall give up.
+        """Raise Stopped if `should_stop` returns true.
 
-        It serves as the progress function of a run.
+        This is also the progress function of a run, whose arguments are ignored.
         """
         if should_stop():
             raise Stopped
 
     for i, index in enumerate(np.ndindex(system.shape)):
         raise_if_stopped()
-        # After InvalidModel the member stays refused, as its columns begin. A number
-        # too small for a float becomes 0, even if NumPy was told to raise for that.
+        # If the method raises InvalidModel, the entries stay as `_empty_columns` made
+        # them: "refused". A number too small for a float becomes 0, even if the user
+        # has set NumPy to raise an error at underflow.
         with contextlib.suppress(InvalidModel), np.errstate(under="ignore"):
             run = options._run_checked(options.method, system[index], raise_if_stopped)
             solution = Solution(run, options)
@@ -209,10 +212,10 @@ def _one_by_one(chunk: Chunk, should_stop: Callable[[], bool]) -> Columns:
 
 
 def _empty_columns(system: System, readings: RequestedReadings) -> Columns:
-    """Columns of `layout_of` in which all members are refused: ``status`` says so.
+    """Columns of `layout_of`, [member, ...], with the status "refused" for all members.
 
-    Columns of floats are nan, [member, ...]. Those of whole numbers and of truth values
-    are 0, as whole numbers; `run_chunk` gives every column the dtype of its layout.
+    Columns of floats are filled with nan. Columns of integers and of truth values are
+    filled with the integer 0; `run_chunk` gives them the dtype of their layout later.
     """
     count = math.prod(system.shape)
     columns: Columns = {}
@@ -226,24 +229,26 @@ def _empty_columns(system: System, readings: RequestedReadings) -> Columns:
 
 
 def _without_unread_states(options: Options, readings: RequestedReadings) -> Options:
-    """Options of a grid that keep its first and last state, unless others are read.
+    """Options by which a grid stores only its first and last state.
 
-    Those two are enough for an outcome; gauges and largest stresses read all states.
-    Other methods keep no states, and their options are returned as they are.
+    These two states are enough for an outcome. The options are returned unchanged if
+    gauges or largest stresses are read, since they need all states, and for methods
+    that store no states.
     """
     reads_fields = len(readings.gauges) > 0 or "largest_stress" in readings.also
     if reads_fields or "snapshots" not in METHODS[options.method].takes:
         return options
-    return replace(options, snapshots=2)
+    return replace(options, snapshots=2)  # the first and the last state
 
 
 def _in_one_call(
     chunk: Chunk, should_stop: Callable[[], bool], later_members: int
 ) -> Columns:
-    """Columns of members that the method runs in one call, by name, [member].
+    """Run all members in one call of the method and return the columns, [member].
 
-    The columns of `chunk.readings.also` are included, except those that the method does
-    not offer. `should_stop` and `later_members` are those of `run_chunk`.
+    The columns that `chunk.readings.also` names are included, except those that the
+    method does not compute in such a call. `should_stop` and `later_members` are those
+    of `run_chunk`.
     """
     options = chunk.options
     method = METHODS[options.method]

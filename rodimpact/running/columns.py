@@ -1,8 +1,8 @@
-"""Columns of a family: their names, and how each is read of a finished member.
+"""Columns of a family: their names, and how each is read from a finished member.
 
-A column has one entry a collision. Which columns there are follows from the system, and
-from what was asked for besides: a name of `COLUMNS` for the whole row, ``name.i`` for a
-body or a contact i.
+A column has one entry per collision. A column for the whole row has a name of
+`COLUMNS`; a column for body or contact i is called ``name.i``. The system and the
+argument `also` of `sweep` decide which columns there are.
 """
 
 import math
@@ -21,8 +21,8 @@ from .readings import RequestedReadings
 STATUS = STOPPED_BY
 """Why each run stopped; the column ``status`` holds indices of this tuple."""
 ENDED = [STATUS.index("final"), STATUS.index("until")]
-"""Statuses of runs that came to their end."""
-RUN_END_RTOL = 1e-12  # share of a run by which a time may lie beyond its end
+"""Indices in `STATUS` of the runs that reached their end."""
+RUN_END_RTOL = 1e-12  # fraction of a run by which a time may exceed its end
 
 
 class ContactColumns(NamedTuple):
@@ -34,11 +34,11 @@ class ContactColumns(NamedTuple):
     episodes: Any  # how often the contact pressed
 
 
-# How columns are read: the second argument is a body or a contact ---------------------
+# How columns are read: the second argument is the index of a body or a contact --------
 
 
 def _restitution(solution: Solution, _: int) -> float:
-    """e; nan where it is undefined."""
+    """Coefficient of restitution e of the collision; nan if it is undefined."""
     if solution.outcome.why_no_restitution():
         return math.nan
     return solution.outcome.restitution
@@ -70,7 +70,7 @@ def _episodes(solution: Solution, contact: int) -> int:
 
 
 def _vibration(solution: Solution, _: int) -> float:
-    """Vibration energy of all bodies at the end, J."""
+    """Sum of the vibration energies of all bodies at the end, J."""
     return sum(solution.outcome.vibration_after)
 
 
@@ -90,7 +90,7 @@ def _dissipated(solution: Solution, _: int) -> float:
 
 
 def _permanent_set(solution: Solution, contact: int) -> float:
-    """How far the contact has yielded for good, m."""
+    """Permanent set: the part of the overlap that is plastic and remains, m."""
     return solution.contacts[contact].permanent_set()
 
 
@@ -113,16 +113,18 @@ def _accuracy(solution: Solution, _: int) -> float:
 
 
 class Column(NamedTuple):
-    """A result of each member.
+    """How a result is read from each member.
 
     Attributes
     ----------
     owner_kind : str
-        What has one each: "row", "body", "contact", "rod", or "yielding" for contacts
-        that yield.
+        Objects that have a column each: "body", "contact", "rod", or "yielding" for
+        contacts that yield. "row" stands for one column of the whole row.
     read : function
-        Reads it of a finished member; the second argument is the index of the owner.
+        Called with the solution of a member and the index of the owner (0 for the whole
+        row); returns the entry of this member.
     dtype : type
+        Type of the entries.
     """
 
     owner_kind: str
@@ -151,10 +153,10 @@ ALWAYS = [name for name in COLUMNS if name not in ALSO]
 
 
 class Source(NamedTuple):
-    """What a column holds."""
+    """Result and owner of a column: ("impulse", 1) for the column "impulse.1"."""
 
-    name: str  # in `COLUMNS`: "impulse" of the column "impulse.1"
-    owner_index: int  # index of the body or contact; 0 of a whole row
+    name: str  # of the result in `COLUMNS`
+    owner_index: int  # index of the body or contact; 0 for the whole row
 
 
 class Layout(NamedTuple):
@@ -165,11 +167,12 @@ class Layout(NamedTuple):
 
 
 def columns_of(system: System, names: Iterable[str]) -> dict[str, Source]:
-    """What each column of a family holds, for these names of `COLUMNS`.
+    """Columns that a family has for these names of `COLUMNS`, each with its `Source`.
 
-    The result has a `Source`, name and index, by the full name of the column. A name
-    such as "impulse" has a column for each contact, "impulse.0", "impulse.1"; one that
-    no body or contact has is left out. A name of the whole row has index 0.
+    The result is a dict by the full name of the column. A result of the whole row has
+    one column of its own name, with the index 0. The name "impulse" gives a column for
+    each contact: "impulse.0", "impulse.1", ... A name gives no column if the system has
+    no body or contact of its kind, such as a yielding contact for "set".
     """
     owners = _owners(system)
     sources = {}
@@ -184,9 +187,9 @@ def columns_of(system: System, names: Iterable[str]) -> dict[str, Source]:
 
 
 def _owners(system: System) -> dict[str, list[int]]:
-    """Indices of the bodies or contacts that have a column each, by kind of owner.
+    """Indices of the bodies or contacts of each kind of `Column.owner_kind`.
 
-    The kinds are "body", "contact", "rod", and "yielding" for a plastic contact.
+    The keys are "body", "contact", "rod", and "yielding" for plastic contacts.
     """
     rods = []
     for i, body in enumerate(system.bodies):
@@ -205,10 +208,11 @@ def _owners(system: System) -> dict[str, list[int]]:
 
 
 def layout_of(system: System, readings: RequestedReadings) -> dict[str, Layout]:
-    """Type of the columns of a family, and the shape of an entry, by name.
+    """Type of each column of a family and shape of its entries, by name of the column.
 
-    An entry is one value, but that of "strain", the column of gauges, has the shape
-    (gauges, times). Without gauges there is no such column.
+    The columns are those of `ALWAYS` and of `readings.also`, whose entries are single
+    values (shape ()). If there are gauges, the column "strain" is added; its entries
+    have the shape (gauges, times).
     """
     layout = {}
     for column, source in columns_of(system, (*ALWAYS, *readings.also)).items():
@@ -220,9 +224,10 @@ def layout_of(system: System, readings: RequestedReadings) -> dict[str, Layout]:
 
 
 def row_of(solution: Solution, readings: RequestedReadings) -> Columns:
-    """Entries of a finished member in all columns of its family, by name.
+    """Entries of a finished member in all columns of its family, by name of the column.
 
-    Each is one value, but that of "strain" is an array, [gauge, time].
+    An entry is a single value. If there are gauges, the entry "strain" is an array,
+    [gauge, time].
     """
     row: Columns = {}
     sources = columns_of(solution.system, (*ALWAYS, *readings.also))
@@ -234,9 +239,13 @@ def row_of(solution: Solution, readings: RequestedReadings) -> Columns:
 
 
 def _strain(solution: Solution, readings: RequestedReadings) -> Any:
-    """Strain at the gauges, [gauge, time]; nan after the end of the run."""
+    """Strain at the gauges at the times of the readings, [gauge, time].
+
+    Entries after the end of the run are nan.
+    """
     times = readings.times
-    latest = solution.t_end * (1 + RUN_END_RTOL)  # with room for round-off
+    # A time that exceeds the end by round-off alone still counts as inside the run.
+    latest = solution.t_end * (1 + RUN_END_RTOL)
     inside = times <= latest  # [time]
     strain = np.full((len(readings.gauges), len(times)), math.nan)
     for i, body_and_place in enumerate(readings.gauges):

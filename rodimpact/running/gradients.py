@@ -1,9 +1,9 @@
 """gradient(): derivatives of the result of a collision by the numbers of its system.
 
 The system is solved with each number a little smaller and a little larger, and the
-differences are extrapolated to steps of length 0. Both sides are kept apart, since
-results of collisions have kinks: where two events change their order, the derivative
-differs on both sides.
+differences are extrapolated to steps of length 0. Each side of the number has its own
+derivative, since results of collisions have kinks: where two events change their order,
+the derivatives on both sides differ.
 """
 
 import math
@@ -49,29 +49,32 @@ FRONTS_RTOL = 2.0**-48
 It is relative to the largest velocity, impulse or duration.
 """
 DURATION_ERROR_RATIO = 10.0  # error of durations over the stated error of forces
-STEPS_PER_STAGE = 6  # steps on each side, halved from one to the next
+STEPS_PER_STAGE = 6  # steps on each side; each is half the previous one
 MAX_STAGES = 4
-"""Stages, each of which begins at half the smallest step of the one before."""
+"""Largest number of stages; each begins at half the smallest step of the last one."""
 LARGEST_STEP = {
     "fronts": 2.0**-6,
     "characteristics": 2.0**-6,
     "finite-difference": 2.0**-3,
 }
-"""Largest step over the number, by method.
+"""First and largest step over the size of the number, by method.
 
-The less accurate the results of a method are, the longer is the step.
+A method with less accurate results has longer steps.
 """
-PROBING_CHANGE = 2.0**-6  # change over the number that shows what physics others take
-NOISE_AMPLIFICATION = 16.0  # error of a derivative, times the step, over that of values
-MAX_ERROR_OVER_NOISE = 10.0  # stated error over that by noise at which steps are kept
+PROBING_CHANGE = 2.0**-6
+"""Change over the size of a number, to find the physics of the changed systems."""
+NOISE_AMPLIFICATION = 16.0
+"""Error of a derivative, times the smallest step, over the error of the values."""
+MAX_ERROR_OVER_NOISE = 10.0
+"""Stated error over the error by noise below which no smaller steps are taken."""
 SCALED_BY_MOTION = {"velocity", "strain", "value", "position"}
-"""Words in paths of numbers whose changes are measured by the row's motion alone."""
+"""Words in the paths of numbers whose size is `_natural_size`, whatever their value."""
 NUMBER_RTOL = 2.0**-52  # round-off of a number of the system
 
 
 @explain_missing()
 class Kink(NamedTuple):
-    """A place where the derivative differs on both sides, or exists on one side only.
+    """One-sided derivatives by a number, where they differ or only one exists.
 
     Each attribute is a number, or an array of the shape of the family: nan for members
     without a kink.
@@ -105,7 +108,9 @@ class Kink(NamedTuple):
 @explain_missing()
 @dataclass(frozen=True)
 class Gradient:
-    """Derivatives of a result of a collision; as an array, [..., path].
+    """Derivatives of a result of a collision by numbers of its system.
+
+    ``numpy.asarray`` makes an array of them, [..., path].
 
     Attributes
     ----------
@@ -116,14 +121,14 @@ class Gradient:
     value : float or array
         The quantity itself.
     values : dict of str to float or array
-        Derivative by path, where it is the same on both sides; else nan.
+        Derivative by path; nan where the derivatives on both sides differ.
     errors : dict of str to float or array
         Stated error by path: it bounds the error of the derivative, or at a kink the
         errors of the one-sided derivatives.
     one_sided : dict of str to (float or array, float or array)
         Derivatives below and above each number.
     kinks : dict of str to Kink
-        By the paths that have any.
+        Kinks by path; paths without a kink are left out.
     unit : str
         Unit of the quantity; "" if it has none.
     units : dict of str to str
@@ -156,7 +161,8 @@ class Gradient:
     def __array__(self, dtype: Any = None, copy: Any = None) -> Array:
         """The derivatives as an array, [..., path]; always a new one.
 
-        Paths are in the order of `wrt`. The type is float unless `dtype` tells another.
+        Paths are in the order of `wrt`. The default of `dtype` is float. `copy` is
+        ignored.
         """
         columns = [self.values[path] for path in self.wrt]
         if dtype is None:
@@ -169,7 +175,7 @@ class Gradient:
         return self.values[path]
 
     def __str__(self) -> str:
-        """The value and a line for each derivative; of a family only names and size."""
+        """The value, then a line for each derivative; for a family names and size."""
         if np.ndim(self.value) > 0:
             members = f"of {np.size(self.value)} members, by {', '.join(self.wrt)}"
             return f"derivatives of {self.of} {members}"
@@ -182,8 +188,8 @@ class Gradient:
     def _described(self, path: str) -> str:
         """Derivative by the number at a path, with its unit and stated error, as text.
 
-        This is for a single collision. At a kink the text has the derivatives on both
-        sides, and the jump of the result in its own unit if there is one.
+        The gradient is that of a single collision. At a kink the text has the
+        derivatives on both sides, and the jump of the result if that is not 0.
         """
         unit = f" {self.units[path]}".rstrip()  # "" without a unit
         error = float(self.errors[path])
@@ -213,12 +219,12 @@ def gradient(
     """Derivatives of a result of a collision, with stated errors.
 
     They are found by finite differences. The collision is solved on both sides of each
-    number, at 6 to 24 steps on each side that are halved from one to the next.
-    Derivatives follow by Richardson's extrapolation. If they differ on both sides, or
-    if the quantity jumps, the number has a kink. Steps become smaller as long as a kink
-    seems near, or the error is larger than the accuracy of the solutions makes
-    necessary. Kinks closer to the number than about 1e-7 of it cannot be told from a
-    kink at the number.
+    number, at 6 to 24 steps on each side, each half the previous one. Derivatives
+    follow by Richardson's extrapolation. If the derivatives on both sides differ, or if
+    the quantity jumps, the number has a kink. Smaller steps are taken as long as a kink
+    seems near, or as the error is larger than the accuracy of the solutions makes
+    necessary. A kink at a relative distance below about 1e-7 cannot be distinguished
+    from a kink at the number itself.
 
     Parameters
     ----------
@@ -239,31 +245,31 @@ def gradient(
     workers : int, optional
         Number of threads; default: the processors at hand.
     progress : bool or function
-        Whether a bar may show that long work goes on. A function is called with the
-        number of collisions solved so far, and None: nobody knows how many there will
-        be.
+        Whether a bar may show the progress of long work. A function is called with the
+        number of collisions solved so far, and None, since their total number is not
+        known.
 
     Returns
     -------
     Gradient
-        In SI units. A member without such a quantity, or whose run does not end, has
-        nan.
+        In SI units. The entries of a member are nan if it does not have the quantity,
+        or if its run does not end.
 
     Raises
     ------
     InvalidModel
-        If there is no such quantity, a path is none of the system, or the method lacks
-        something.
+        If an argument is wrong, if the system has no such quantity or no number at a
+        path, or if the method cannot solve the system.
     UndefinedRestitution
-        If a single collision has no such number.
+        If the quantity of a single collision is undefined.
 
     Notes
     -----
     The stated error is the sum of two parts. The truncation error is ten times the
     change by the last order of the extrapolation. Noise is bounded by the stated errors
     of the solutions (round-off for "fronts") times the factor by which the differences
-    amplify it. The "accuracy" of a sweep is about velocities and forces; durations
-    count as ten times less accurate.
+    amplify it. The "accuracy" of a sweep holds for velocities and forces; the error of
+    durations is taken to be ten times larger.
 
     Examples
     --------
@@ -303,17 +309,17 @@ def gradient(
 def _common_options(
     options: Options, system: System, numbers: Sequence["_Number"]
 ) -> Options:
-    """Options with one method by which the system and all its neighbours can be solved.
+    """Options with one method that can solve the system and all its neighbours.
 
-    Neighbours, with one of the numbers changed, may have more physics, such as a
-    gravity that is not 0. Methods with more physics come later in `METHODS`. If none
-    was given, "characteristics" gets `SMOOTH_RTOL` as rtol.
+    A neighbour is the system with one of the numbers changed. It may have more physics,
+    such as a gravity that is not 0. If no rtol is given, that of "characteristics" is
+    `SMOOTH_RTOL`.
     """
     methods = [options.method_for(system)]
     for number in numbers:
         neighbours = number.neighbours([number.size * PROBING_CHANGE])
         methods.append(options.method_for(neighbours.system))
-    by_physics = list(METHODS)
+    by_physics = list(METHODS)  # methods that can solve more systems come later
     most_able = max(methods, key=by_physics.index)
     if most_able == "characteristics" and options.rtol is None:
         options = replace(options, rtol=SMOOTH_RTOL)
@@ -321,10 +327,10 @@ def _common_options(
 
 
 def _why_undefined(system: System, of: str, options: Options) -> str:
-    """Why a single collision has no result of that name, as a sentence.
+    """Reason why the result `of` of a single collision is undefined, as a sentence.
 
-    The collision is solved once more to find the reason: that of the restitution, or
-    why the run ended.
+    The collision is solved again. The reason is that of an undefined restitution, or
+    else why the run ended.
     """
     solution = solve(
         system,
@@ -356,7 +362,7 @@ class _Result:
     def __init__(
         self, of: str, options: Options, workers: int | None, report: ProgressReport
     ) -> None:
-        """Keep the arguments, and count the collisions solved from 0 on."""
+        """Store the arguments; no collision has been solved yet."""
         self.of = of
         self.options = options
         self._workers = workers
@@ -366,8 +372,9 @@ class _Result:
     def of_members(self, system: System) -> Estimate:
         """Values of the result and their stated errors, of the family's shape.
 
-        Every member is solved, and counted for the report. The value is nan where a run
-        does not end, or the method refuses a member.
+        Every member is solved and counted for the report. The value is nan where a run
+        did not reach its end, where the method refuses a member, and where the result
+        is undefined. The errors are absolute, in the unit of the result.
         """
         options = self.options
         is_exact = options.method == "fronts"
@@ -382,14 +389,14 @@ class _Result:
             rtol=options.rtol,
             also=also,
             workers=self._workers,
-            # How many more collisions follow is not known: None.
+            # None: the total number of collisions is not known.
             progress=lambda done, _: self._report(self._solved + done, None),
         )
         self._solved += math.prod(system.shape)
         columns = swept.columns
         ended = np.isin(columns["status"], ENDED)
         value = np.where(ended, columns[self.of], math.nan)
-        accuracy = FRONTS_RTOL  # relative
+        accuracy = FRONTS_RTOL  # relative error
         if not is_exact:
             accuracy = columns["accuracy"]
         return Estimate(value, accuracy * self._size(system, columns))
@@ -397,16 +404,17 @@ class _Result:
     def _size(self, system: System, columns: Mapping[str, Any]) -> Any:
         """Size to which the stated error of the result is relative, of each member.
 
-        It is in the unit of the result: the velocity scale of the row, the largest
-        impulse or peak force of a contact, or the size of the restitution. That of
-        durations, which are less accurate, is ten times the largest one. `columns` are
-        those of a sweep.
+        The size has the unit of the result. For a velocity it is the velocity scale of
+        the row; for an impulse or a peak force the largest one of all contacts that can
+        open; for a duration ten times the largest one, since durations are less
+        accurate; for the restitution see `_size_of_restitution`. `columns` are those of
+        a sweep.
         """
-        kind, _, _ = self.of.partition(".")
+        kind, _, _ = self.of.partition(".")  # "impulse" of "impulse.0"
         if kind == "velocity_after":
             return velocity_scale(system)
         if kind == "restitution":
-            (k,) = unilateral(system)  # the only contact that can open
+            (k,) = unilateral(system)  # exactly one contact can open
             return self._size_of_restitution(system, columns, k)
         sizes = []
         for k in unilateral(system):
@@ -419,10 +427,12 @@ class _Result:
     def _size_of_restitution(
         self, system: System, columns: Mapping[str, Any], k: int
     ) -> Any:
-        """2 V/closing + e at contact k, with the velocity scale V, of each member.
+        """Size of the error of e at contact k, of each member: 2 V/closing + abs(e).
 
-        In e = parting/closing each of the two velocities after may be wrong by a
-        fraction of V. The velocity of closing is parting/e; it counts as V where e = 0.
+        V is the velocity scale of the row and e = parting/closing. The stated relative
+        error, times V, bounds the error of each of the two velocities after, whose
+        difference is the parting velocity. The closing velocity is parting/e; it is
+        taken as V where e = 0.
         """
         e = columns["restitution"]
         left_velocity = columns[f"velocity_after.{k}"]
@@ -437,47 +447,48 @@ class _Result:
 def velocity_scale(system: System) -> Any:
     """Velocity to which stated errors of velocities are relative, m/s, of each member.
 
-    It is the velocity scale of the row; without rods, the largest difference of the
-    velocities before.
+    It is the velocity scale of the row. A row without rods has the largest difference
+    of the velocities before instead.
     """
     row = build_row(system)
-    if len(row.segments) > 0:
+    if len(row.segments) > 0:  # only rods have segments
         return row.scale
     velocities = velocities_of(row)
     return largest(velocities) - smallest(velocities)
 
 
 class _Neighbours(NamedTuple):
-    """Systems with a changed number, by change."""
+    """Copies of a system in which one number is changed, one for each change."""
 
     system: System  # a family, [change, ...]
-    allowed: Any  # [change, ...], whether the change is allowed; if not, there is none
+    allowed: Any  # [change, ...]; where it is False, the number is not changed
 
 
 class _Number(NamedTuple):
     """A number of a system, or of each member of a family."""
 
     system: System
-    entries: list[str]  # all paths at which the system has it
-    x: Any  # its value
-    size: Any  # the size by which its changes are measured, > 0
+    entries: list[str]  # all paths at which the system has this same number
+    x: Any  # its value: a number, or an array that broadcasts to the family's shape
+    size: Any  # size to which its changes are relative, > 0; shaped as `x`, or a number
 
     def neighbours(self, changes: Any) -> "_Neighbours":
-        """Systems with the number plus each of the changes, [change, ...].
+        """Copies of the system with the number plus each of the changes.
 
-        Changes that the declaration of the number or the system refuses are not made:
-        the number stays there, and `allowed` is false. A change that the system refuses
-        for one member is refused for all.
+        `changes` has the shape [change, ...]. A change is not allowed if the
+        declaration of the number or the system refuses it; then the number keeps its
+        value, and `allowed` is False. A change that the system refuses for one member
+        is not allowed for any.
         """
-        field = field_at(self.system, self.entries[0])  # the declaration
+        field = field_at(self.system, self.entries[0])  # declaration: unit, sign
         changes = np.asarray(changes)
         allowed = np.asarray(field.holds(self.x + changes))
         allowed_changes = np.where(allowed, changes, 0.0)
         try:
             return _Neighbours(self._changed(allowed_changes), allowed)
         except InvalidModel:
-            # The system refuses some change, such as a number that must be less than
-            # another one: each change is tried alone, for all members.
+            # The system refuses some change, such as a number that must stay less than
+            # another one. Each change is tried alone, for all members, to find which.
             for k in range(len(changes)):
                 if not self._can_change(allowed_changes[k]):
                     allowed[k] = False
@@ -485,7 +496,7 @@ class _Number(NamedTuple):
             return _Neighbours(self._changed(allowed_changes), allowed)
 
     def _can_change(self, change: Any) -> bool:
-        """Whether the system with the number plus a change is a valid one."""
+        """Whether the system accepts the number plus a change."""
         try:
             self._changed(change)
         except InvalidModel:
@@ -493,21 +504,21 @@ class _Number(NamedTuple):
         return True
 
     def _changed(self, change: Any) -> System:
-        """The system with the number, wherever it stands, plus a change.
+        """A copy of the system with the number plus a change, at all its paths.
 
-        It is a family if the change is an array. InvalidModel if the system refuses
-        the changed number.
+        The result is a family if the change is an array. InvalidModel is raised if the
+        system refuses the changed number.
         """
         value = self.x + change
-        if np.ndim(value) == 0:  # in place of a number of NumPy
+        if np.ndim(value) == 0:  # a scalar of NumPy becomes a float of Python
             value = float(value)
         return with_numbers(self.system, dict.fromkeys(self.entries, value))
 
     def members(self, chosen: Any) -> "_Number":
-        """The same number of the members of the family for which `chosen` is true.
+        """The same number in the members of the family for which `chosen` is true.
 
-        The members stand along one axis. A single collision is returned as it is,
-        whether it is chosen or not.
+        The shape of the smaller family is (number of chosen members,). For a single
+        collision the number itself is returned, whether it is chosen or not.
         """
         if self.system.shape == ():
             return self
@@ -517,14 +528,14 @@ class _Number(NamedTuple):
 
 
 def _number(system: System, path: str) -> _Number:
-    """The number at a path, with the size by which its changes are measured.
+    """The number at a path, with the size to which its changes are relative.
 
-    The size of most numbers is their absolute value, that of a gap at most its
-    `_natural_size`. The natural size stands for 0, and for all numbers that are
-    `SCALED_BY_MOTION`. InvalidModel if a number is 0 and has no natural size.
+    The size is the absolute value of the number. It is `_natural_size` instead if the
+    number is 0, if its path has a word of `SCALED_BY_MOTION`, or if it is a gap larger
+    than that. InvalidModel if the natural size is needed, but is 0 or nan.
     """
-    entries = entries_by_path(system)[path]  # where the system has this number
-    entry = entries[0]  # the same number as the others
+    entries = entries_by_path(system)[path]  # all paths at which the system has it
+    entry = entries[0]  # any of them: the number is the same at all
     x = numbers_of(system)[entry]
     natural = _natural_size(system, entry)
     is_zero = np.equal(x, 0)
@@ -545,12 +556,13 @@ def _number(system: System, path: str) -> _Number:
 
 
 def _natural_size(system: System, path: str) -> Any:
-    """Size that the row gives to the number at a path by its unit, of each member.
+    """Size of a quantity of the unit of the number at a path, of each member.
 
-    Let V be the velocity scale of the row, T the longest transit time, c the largest
-    wave speed, Z the largest impedance and E the largest modulus. A gap is V T, a
-    strain V/c, a force Z V. A pure number is 1. It is nan for any other unit, and
-    without rods for any but that of a velocity.
+    It follows from the scales of the row: the velocity scale V, the longest transit
+    time T, the largest wave speed c, the largest impedance Z and the largest modulus E.
+    A gap has the size V T, a strain V/c, a force Z V, a pure number 1. A unit that is
+    not in the list has the size nan; in a row without rods every unit has, except m/s
+    and that of a pure number.
     """
     row = build_row(system)
     V = velocity_scale(system)
@@ -566,7 +578,7 @@ def _natural_size(system: System, path: str) -> Any:
     Z = _largest_of(row.segments, "impedance")
     E = largest([segment.material.youngs_modulus for segment in row.segments])
     sizes = {
-        "": V / c,  # a strain
+        "": V / c,  # a strain has the unit "", a pure number "1"
         "m": V * T,
         "m/s^2": V / T,
         "N": Z * V,
@@ -579,23 +591,24 @@ def _natural_size(system: System, path: str) -> Any:
 
 
 def _largest_of(segments: Sequence[Any], name: str) -> Any:
-    """Largest attribute of that name of segments: a number, or one for each member."""
+    """Largest value of an attribute of segments, by its name; of each member."""
     return largest([getattr(segment, name) for segment in segments])
 
 
 def _extrapolated(number: _Number, result: _Result, estimate: Estimate) -> Sides:
-    """Derivatives and values of a result on both sides of a number, of each member.
+    """One-sided derivatives and limits of a result, by a number, of each member.
 
-    They are found in up to `MAX_STAGES` stages of ever smaller steps. `estimate` is the
-    result itself, with its error. Each stage has `STEPS_PER_STAGE` steps. A stage after
-    the first solves only those members that `_unsettled` chooses. A member without a
-    result has nan.
+    They are found in up to `MAX_STAGES` stages of `STEPS_PER_STAGE` ever smaller steps.
+    `estimate` is the result at the number itself, with its error. Stages after the
+    first solve only the members that `_unsettled` chooses. A member whose result is nan
+    has nan, with the error inf.
     """
     shape = number.system.shape
     size = np.broadcast_to(number.size, shape)
     noise = np.broadcast_to(estimate.error, shape)
     first_step = LARGEST_STEP[result.options.method]  # over the size
-    # All stages so far, [step, ...]; values are nan where no member was solved.
+    # Steps and values of all stages so far, [step, ...]; the value of a member that a
+    # stage did not solve is nan.
     steps = np.zeros((0, *shape))
     below = np.zeros((0, *shape))
     above = np.zeros((0, *shape))
@@ -603,23 +616,23 @@ def _extrapolated(number: _Number, result: _Result, estimate: Estimate) -> Sides
     for stage in range(MAX_STAGES):
         halvings = STEPS_PER_STAGE * stage + np.arange(STEPS_PER_STAGE)
         relative_steps = first_step * 2.0**-halvings
-        stage_steps = np.multiply.outer(relative_steps, size)
+        stage_steps = np.multiply.outer(relative_steps, size)  # [step, ...]
         stage_below = np.full(stage_steps.shape, math.nan)
         stage_above = np.full(stage_steps.shape, math.nan)
         if chosen.any():
-            chosen_steps = stage_steps[:, chosen]
+            chosen_steps = stage_steps[:, chosen]  # [step, chosen member]
             values = _values_beside(number.members(chosen), result, chosen_steps)
             stage_below[:, chosen] = values.below
             stage_above[:, chosen] = values.above
         steps = np.concatenate([steps, stage_steps])
         below = np.concatenate([below, stage_below])
         above = np.concatenate([above, stage_above])
-        # The number plus a step is rounded. That is an error of the result, too: its
-        # slope times the round-off.
+        # The number plus a step is rounded. This round-off changes the result, too: by
+        # the slope of the result times the round-off.
         rise_above = np.abs(above - estimate.value)
         rise_below = np.abs(below - estimate.value)
         slopes = np.fmax(rise_above, rise_below) / steps  # of the steeper side
-        largest_slope = np.fmax.reduce(slopes, axis=0, initial=0.0)
+        largest_slope = np.fmax.reduce(slopes, axis=0, initial=0.0)  # leaves out nan
         rounding = NUMBER_RTOL * np.abs(number.x) * largest_slope
         at_point = sides_of(below, above, steps, noise + rounding)
         next_step = steps[-1] / 2
@@ -630,19 +643,19 @@ def _extrapolated(number: _Number, result: _Result, estimate: Estimate) -> Sides
 
 
 class _ValuesBeside(NamedTuple):
-    """Values of a result beside a number, [step, member]; nan where it has none."""
+    """Values of a result beside a number, [step, member]; nan where there is none."""
 
-    below: Array
-    above: Array
+    below: Array  # at the number minus each step
+    above: Array  # at the number plus each step
 
 
 def _values_beside(number: _Number, result: _Result, steps: Array) -> _ValuesBeside:
     """Values of a result with the number minus and plus each step, [step, member].
 
-    They are nan where the number may not have this value, or there is no result. A
-    single collision is one member.
+    A value is nan if the changed number is not allowed, or if the result does not
+    exist. `steps` has the shape [step, member]; a single collision is one member.
     """
-    changes = np.concatenate([-steps, steps])
+    changes = np.concatenate([-steps, steps])  # first below, then above
     neighbours = number.neighbours(changes)
     results = result.of_members(neighbours.system)
     values = np.where(neighbours.allowed, results.value, math.nan)
@@ -651,19 +664,20 @@ def _values_beside(number: _Number, result: _Result, steps: Array) -> _ValuesBes
 
 
 def _unsettled(sides: Sides, estimate: Estimate, noise: Any, next_step: Any) -> Any:
-    """Whether smaller steps may tell more of each member: an array of truth values.
+    """Whether each member needs smaller steps: an array of truth values.
 
-    They may if the derivatives on both sides differ by more than their errors, and by
-    more than noise would be at the next steps; if the values jump; or if the error is
-    much larger than that noise. They never do where the result itself is no number.
-    `noise` is the bound of the error of values, and `next_step` the largest of further
-    steps.
+    A member needs them if its derivatives on both sides differ by more than their
+    errors, and by more than the error by noise at the next steps; if its values jump;
+    or if the error of its derivative is much larger than the error by noise. A member
+    whose result is nan never needs them. `noise` is the bound of the error of values,
+    and `next_step` the largest of the next steps.
     """
-    # Error of a derivative by noise, if the next steps are taken
+    # Error by noise of a derivative from the next steps
     from_noise = NOISE_AMPLIFICATION * noise / next_step
     bend = np.abs(sides.bend.value)  # difference of the derivatives on both sides
     bent = bend > sides.bend.error
-    bend_can_be_told = bend > 2 * from_noise  # each of both has the error `from_noise`
+    # The bend is the difference of two derivatives, each with the error `from_noise`.
+    bend_can_be_told = bend > 2 * from_noise
     jumps = np.abs(sides.jump.value) > sides.jump.error
     inaccurate = sides.central.error > MAX_ERROR_OVER_NOISE * from_noise
     unsettled = (bent & bend_can_be_told) | jumps | inaccurate
@@ -674,19 +688,20 @@ class _Column(NamedTuple):
     """Derivatives by one number; each is a number or an array of the family's shape."""
 
     value: Any  # derivative; nan at a kink
-    error: Any  # stated error of the derivative, or of those on both sides
+    error: Any  # stated error of the derivative, or at a kink of the one-sided ones
     below: Any  # derivative on the side of smaller numbers
     above: Any  # derivative on the side of larger numbers
     jump: Any  # value of the result above minus that below
-    kinked: Any  # whether the derivatives on both sides differ, or one does not exist
+    kinked: Any  # whether there is a kink, see `Kink`
 
 
 def _column(sides: Sides, defined: Any) -> _Column:
-    """Derivatives by one number: one where both sides agree, else those of both sides.
+    """Derivatives by one number, with kinks where the two sides do not agree.
 
-    Where they agree it is the central one or the mean of both, whichever has the
-    smaller error. Elsewhere it is nan; the error is then the larger one of the sides
-    that exist. `defined` tells of each member whether its result is a number.
+    Where the sides agree, all derivatives are the central derivative or the mean of the
+    one-sided ones, whichever has the smaller error. Elsewhere `value` is nan, and
+    `error` the largest error of the sides that exist; nan if no side exists. `defined`
+    tells for each member whether the result itself is a number.
     """
     smooth = sides.smooth & defined
     mean = (sides.below.value + sides.above.value) / 2
@@ -694,7 +709,7 @@ def _column(sides: Sides, defined: Any) -> _Column:
     take_central = sides.central.error <= mean_error
     value = np.where(take_central, sides.central.value, mean)
     error = np.where(take_central, sides.central.error, mean_error)
-    # A side exists if its derivative was found. Without any, the error is nan.
+    # A side exists if its derivative was found: its error is then finite.
     exists_below = np.isfinite(sides.below.error)
     exists_above = np.isfinite(sides.above.error)
     exists = exists_below | exists_above
@@ -722,10 +737,10 @@ def _column(sides: Sides, defined: Any) -> _Column:
 def lasting_bodies(system: System) -> set[int]:
     """Indices of the bodies that have a velocity after the collision.
 
-    A body at an absorbing end is slowed down for ever, and so are those that are bonded
-    or joined to it: they have none.
+    A body at an absorbing end is slowed down for ever and has none. The same holds for
+    all bodies that are bonded or joined to it.
     """
-    last = len(system.bodies) - 1
+    last = len(system.bodies) - 1  # the right end is that of the last body
     radiating = set()  # bodies with an absorbing end
     for body, end in zip((0, last), system.ends, strict=True):
         if isinstance(end, Absorbing):
@@ -742,13 +757,14 @@ def _check_arguments(
 ) -> None:
     """Raise InvalidModel with the mistakes of these arguments of `gradient`.
 
-    `of` must be a result that the system has: the velocity of a body that has one
-    afterwards, a total of a contact that can open, or the restitution if there is one
-    such contact. `wrt` must be a list of paths of numbers.
+    `of` must be a result of the system: the velocity of a body that has a velocity
+    afterwards, a total of a contact that can open, or the restitution if exactly one
+    contact can open. `wrt` must be a list of one or more paths of numbers.
     """
     problems: Problems = []
     check_progress(problems, progress)
-    bodies = set(range(len(system.bodies)))  # those that have a velocity at the end
+    # Bodies that have a velocity at the end: all if the run ends at a given time
+    bodies = set(range(len(system.bodies)))
     if until is None:
         bodies = lasting_bodies(system)
     contacts = unilateral(system)
@@ -759,7 +775,7 @@ def _check_arguments(
         for k in contacts:
             choices.append(f"{name}.{k}")
     if len(contacts) == 1:
-        k = contacts[0]
+        k = contacts[0]  # contact k is between the bodies k and k + 1
         both_have_velocities = {k, k + 1} <= bodies
         if both_have_velocities:
             choices.append("restitution")
@@ -774,7 +790,7 @@ def _check_arguments(
             f"must be a list of paths, such as ['bodies.0.length'], got {shown(wrt)}"
         )
         problems.append(("wrt", message))
-        wrt = ()
+        wrt = ()  # the paths are not checked
     paths = entries_by_path(system)
     for path in wrt:
         if path not in paths:
@@ -785,7 +801,7 @@ def _check_arguments(
 
 
 def _is_list_of_text(value: Any) -> bool:
-    """Whether a value is a list or tuple of strings, at least one."""
+    """Whether a value is a list or tuple of one or more strings."""
     if not isinstance(value, list | tuple) or len(value) == 0:
         return False
     return all(isinstance(item, str) for item in value)
@@ -794,10 +810,11 @@ def _is_list_of_text(value: Any) -> bool:
 def _gradient(
     system: System, of: str, wrt: tuple[str, ...], value: Any, columns: list[_Column]
 ) -> Gradient:
-    """The result of `gradient`, from the value of `of` and a column for each path.
+    """The `Gradient`, from the value of the result `of` and a column for each path.
 
-    Units are added. `kinks` has only paths at which some member has a kink, with nan
-    for the others. In a single collision arrays become numbers.
+    The units are found here. `kinks` has only the paths at which some member has a
+    kink; members without a kink have nan there. For a single collision, values are
+    numbers instead of arrays.
     """
     unit = quantity_of_column(system, of).unit
     values = {}
@@ -817,7 +834,7 @@ def _gradient(
                 above=np.where(column.kinked, column.above, math.nan)[()],
                 jump=np.where(column.kinked, column.jump, math.nan)[()],
             )
-    if unit == "1":
+    if unit == "1":  # a pure number has no unit
         unit = ""
     return Gradient(
         of=of,
@@ -833,12 +850,12 @@ def _gradient(
 
 
 def _per(unit: str, other: str) -> str:
-    """Unit of a derivative, from the units of both quantities; "" if it has none.
+    """Unit of the derivative of a quantity in `unit` by one in `other`; "" for none.
 
-    It is m^1.5/N for a pure number by N/m^1.5. With a power that is no number, such as
-    in N/m^p, it is the text of both units: "1/(N/m^p)".
+    The derivative of a pure number by a quantity in N/m^1.5 has the unit m^1.5/N. If a
+    power is not a number, as in N/m^p, the texts are combined instead: "1/(N/m^p)".
     """
-    powers: dict[str, float] = {}  # of the symbols of the unit, changed below
+    powers: dict[str, float] = {}  # by symbol; `multiply_unit` changes the dict
     try:
         multiply_unit(powers, unit, 1)
         multiply_unit(powers, other, -1)

@@ -1,8 +1,9 @@
 """The members of a family as jobs of an executor.
 
-A job is some members in a row. There are about eight jobs for each worker: enough that
-all workers end together where some members take longer than others, and few enough that
-handing them over takes no time. Jobs end in any order.
+A job is a span of consecutive members. There are about eight jobs for each worker:
+enough for all workers to finish at about the same time although some members take
+longer than others, and few enough that submitting them costs little. Jobs may end in
+any order.
 """
 
 import contextlib
@@ -27,34 +28,37 @@ from ..model import Law, System
 from ..model.frozen import Problems, add_problem
 from ..storage.checkpoint import Span
 
-JOBS_A_WORKER = 8  # number of jobs over that of workers, about
+JOBS_A_WORKER = 8  # approximate number of jobs over the number of workers
 JOBS_A_WORKER_TO_KEEP = 100  # the same with a checkpoint: a crash undoes a hundredth
 WORKERS_OF_EXECUTOR = 64  # workers of an executor if the caller does not say how many
-HEARTBEAT = 0.4  # s, after which progress is reported though no job has ended
+HEARTBEAT = 0.4  # s; progress is reported after this time even if no job has ended
 
 
 class JobResult(NamedTuple):
     """A job that has ended."""
 
     start: int  # its first member
-    stop: int  # the member after its last
-    result: Any
+    stop: int  # index after its last member
+    result: Any  # what the function of the job returned
 
 
 class Pool(NamedTuple):
-    """An executor."""
+    """An executor with its number of workers."""
 
     executor: Executor
     workers: int
     stop: Callable[[], bool] | None = None
-    """Says whether jobs shall stop; only the jobs of threads of our own can ask."""
+    """Tells whether jobs shall stop; None for an executor that the user gave.
+
+    Its jobs may run in other processes, which cannot call this function.
+    """
 
 
 def check_executor(problems: Problems, executor: object, system: System) -> None:
-    """Add problems of an executor that is none, or of laws that it cannot take.
+    """Add problems if `executor` is no executor, or cannot run the laws of the system.
 
-    None is no mistake: threads are taken then. Only a ProcessPoolExecutor is asked for
-    laws; it cannot take the function of a `Law` that its processes cannot import.
+    None is allowed and means threads. Laws are checked for a ProcessPoolExecutor only:
+    its processes must be able to import the function of each `Law`.
     """
     if executor is None:
         return
@@ -73,7 +77,7 @@ def check_executor(problems: Problems, executor: object, system: System) -> None
 
 
 def _is_importable(function: Callable[..., Any]) -> bool:
-    """Whether another process finds a function by its name, as `pickle` tells."""
+    """Whether another process can import a function by its name, as `pickle` does."""
     try:
         pickle.dumps(function)
     except (pickle.PicklingError, AttributeError, TypeError):
@@ -83,13 +87,13 @@ def _is_importable(function: Callable[..., Any]) -> bool:
 
 @contextlib.contextmanager
 def pool_of(executor: Executor | None, workers: int | None) -> Iterator[Pool]:
-    """The given executor, or threads of our own, as a context.
+    """Context with the given executor, or with new threads if it is None, as a `Pool`.
 
-    When the context ends, own threads are told to stop and jobs that wait are
-    cancelled; nothing waits for jobs that run. A given executor is left as it is. Where
-    no thread can start, jobs are done by the thread that submits them. The number of
-    workers is by default that of the processors, and `WORKERS_OF_EXECUTOR` for a given
-    executor.
+    At the end of the context, `Pool.stop` tells the threads to stop, and waiting jobs
+    are cancelled; the context does not wait for running jobs. A given executor is not
+    shut down. Where no thread can be started, `SerialExecutor` takes their place. The
+    default of `workers` is the number of processors, or `WORKERS_OF_EXECUTOR` for a
+    given executor.
     """
     if executor is not None:
         if workers is None:
@@ -99,28 +103,28 @@ def pool_of(executor: Executor | None, workers: int | None) -> Iterator[Pool]:
     if workers is None:
         workers = processors()
     stopping = threading.Event()
-    # Each thread takes no more than its share of the memory.
+    # Each thread is limited to its share of the memory.
     threads = ThreadPoolExecutor(
         workers, initializer=memory.limit_to_share, initargs=(workers,)
     )
     executor = threads
     try:
-        threads.submit(int)  # the first job, whatever it is, starts a thread
+        threads.submit(int)  # any first job, here int(), starts a thread
     except RuntimeError:  # no thread can start, as in a browser
         executor = SerialExecutor()
     try:
         yield Pool(executor, workers, stopping.is_set)
     finally:
         stopping.set()
-        # An interrupt does not wait until a member or a compiler ends.
+        # No wait: an interrupt must not last until a member or a compilation ends.
         threads.shutdown(wait=False, cancel_futures=True)
 
 
 def processors() -> int:
     """Number of processors that this process may use; 1 if it is not known."""
-    affinity = getattr(os, "sched_getaffinity", None)
+    affinity = getattr(os, "sched_getaffinity", None)  # not on every system
     if affinity is not None:
-        return len(affinity(0))
+        return len(affinity(0))  # 0 stands for this process
     count = os.cpu_count()
     if count is None:
         return 1
@@ -128,14 +132,14 @@ def processors() -> int:
 
 
 class SerialExecutor(Executor):
-    """Does every job at once, in the thread that submits it."""
+    """Executor that runs every job at once, in the thread that submits it."""
 
     def submit(
         self, job: Callable[..., Any], /, *arguments: Any, **named: Any
     ) -> Future[Any]:
-        """Do a job at once, and return a future with its result.
+        """Run a job at once, and return a finished future with its result.
 
-        Errors of the job are raised here.
+        An error of the job is raised here, not kept in the future.
         """
         future: Future[Any] = Future()
         future.set_result(job(*arguments, **named))
@@ -143,18 +147,18 @@ class SerialExecutor(Executor):
 
 
 def job_size(members: int, row: int, jobs: int, most: int) -> int:
-    """Number of members of a job, from 1 to `most`.
+    """Number of members of a job, from 1 to `most`: about `members` / `jobs`.
 
-    A job of a row or more is rounded down to whole rows, so that there may be more jobs
-    than wanted.
+    A size of a row or more is rounded down to whole rows, so that there may be more
+    jobs than wanted.
 
     Parameters
     ----------
     members : int
-        Members to run in all jobs.
+        Number of members to run in all jobs.
     row : int
-        Members with one index of the first axis. Numbers that vary along other axes
-        alone are the same in every row, so a job of whole rows has them once.
+        Number of members with one index of the first axis. Numbers that vary only along
+        other axes are the same in every row, so a job of whole rows stores them once.
     jobs : int
         Number of jobs that is wanted.
     most : int
@@ -168,13 +172,13 @@ def job_size(members: int, row: int, jobs: int, most: int) -> int:
 
 
 def cut(spans: Iterable[Span], size: int) -> Iterator[Span]:
-    """Cut spans of members at each multiple of a size, and yield the parts in order.
+    """Cut spans of members at each multiple of `size`, and yield the parts in order.
 
-    So no part has more members than that, and none crosses a multiple.
+    A part has at most `size` members and does not extend across a multiple of `size`.
     """
     for start, stop in spans:
         while start < stop:
-            next_multiple = start - start % size + size
+            next_multiple = start - start % size + size  # first one after `start`
             end = min(next_multiple, stop)
             yield Span(start, end)
             start = end
@@ -187,24 +191,26 @@ def results_of(
 ) -> Generator[list[JobResult]]:
     """Run jobs on an executor, two for each worker at a time: one running, one queued.
 
-    An error of a job is raised here. When that happens, or the generator is closed,
-    jobs that have not begun are cancelled.
+    An error of a job is raised here. After an error, or when the generator is closed,
+    the jobs that have not begun are cancelled.
 
     Parameters
     ----------
     jobs : iterator of Span
     submit : function
-        Hands the members `start` to `stop - 1` over, and returns the future.
+        Called with `start` and `stop`; submits the members `start` to `stop - 1` to the
+        executor and returns the future.
     workers : int
+        Number of workers of the executor.
 
     Yields
     ------
     list of JobResult
-        Jobs that have ended, with their results; twice a second or more often, so that
-        it may be empty.
+        Jobs that have ended since the previous list. A list is yielded at least every
+        `HEARTBEAT` seconds; it is empty if no job has ended.
     """
     waiting = deque(jobs)
-    submitted: dict[Future[Any], Span] = {}  # by job, its members
+    submitted: dict[Future[Any], Span] = {}  # members of each job that has not ended
     try:
         while waiting or submitted:
             while waiting and len(submitted) < 2 * workers:
@@ -212,7 +218,7 @@ def results_of(
                 job = submit(span.start, span.stop)
                 submitted[job] = span
             results = []
-            # Until a job ends, or for this time if none does
+            # Wait until a job ends, but no longer than `HEARTBEAT`.
             ended = wait(submitted, HEARTBEAT, FIRST_COMPLETED).done
             for job in ended:
                 span = submitted.pop(job)
@@ -220,4 +226,4 @@ def results_of(
             yield results
     finally:
         for job in submitted:
-            job.cancel()  # has no effect on one that runs
+            job.cancel()  # has no effect on a running job

@@ -1,4 +1,4 @@
-"""Saved results: a solution is solved again from its case, a family is read."""
+"""load(): a saved solution is solved again from its case, a saved family is read."""
 
 import warnings
 from typing import Any
@@ -14,7 +14,7 @@ from .solving import solve
 from .sweep_result import SweepResult
 
 NPZ_START = b"PK"
-"""First bytes of an NPZ file."""
+"""First bytes of an NPZ file, which is a ZIP archive."""
 
 
 @explain_arguments
@@ -67,15 +67,17 @@ def load(path: PathLike) -> Any:
     with open_regular(name) as file:
         start = file.read(len(NPZ_START))
     if start == NPZ_START or name.lower().endswith(".npz"):
+        # A family is the only kind of file: "sweep", as `SweepResult.save` wrote it.
         return read_npz(name, {"sweep": SweepResult.restored})
     return _solve_again(name)
 
 
 def _solve_again(path: str) -> Solution:
-    """Solve the case of a file, which stores its outcome.
+    """Solve the case of a file, and compare the outcome with the one stored there.
 
-    The warning OutcomeDiffers tells where the outcome differs from the stored one by
-    more than the stated errors. InvalidModel if the case stores no outcome.
+    If the two outcomes differ by more than the stated errors, the warning
+    OutcomeDiffers names the differences; the new solution is returned all the same.
+    InvalidModel if the file stores no outcome.
     """
     case = read_case(path)
     if case.result is None:
@@ -83,10 +85,10 @@ def _solve_again(path: str) -> Solution:
             "has no table [result], so it is no saved solution; read_case(path) reads "
             "the case, and solve(case.system, **case.solve) solves it"
         )
-        raise invalid_argument(path, message)  # the file stands for the argument
+        raise invalid_argument(path, message)  # names the file, not an argument
     solution = solve(case.system, **case.solve)
     differences = difference(case.result, solution)
     if differences:
-        # The frames are this one, `load`, its decorator, and the line that calls it.
+        # stacklevel 4: this function, `load`, its decorator, the line that calls it
         warnings.warn(f"{path}: {differences}", OutcomeDiffers, stacklevel=4)
     return solution

@@ -1,6 +1,6 @@
-"""Readings of each member of a sweep beside its outcome.
+"""Readings that a sweep takes of each member, in addition to its outcome.
 
-They are gauges, times, and further columns.
+They are strains at gauges at given times, and further columns.
 """
 
 from collections.abc import Sequence
@@ -19,16 +19,16 @@ TIMES = QuantityField("s", "non-negative")
 
 
 class RequestedReadings(NamedTuple):
-    """What `sweep` was asked to read of each member beside its outcome.
+    """Readings that `sweep` takes of each member, in addition to its outcome.
 
     Attributes
     ----------
     gauges : tuple of (int, float)
-        Strain gauges: body, and place in m from its left end.
+        Strain gauges: index of the body, and distance from its left end, m.
     times : [time] array
-        When the gauges are read, s.
+        Times at which the gauges are read, s.
     also : tuple of str
-        Names of `ALSO`.
+        Names of further columns, of `ALSO`.
     """
 
     gauges: tuple[tuple[int, float], ...] = ()
@@ -41,12 +41,14 @@ def check_readings(
 ) -> RequestedReadings:
     """Check the arguments `gauges` and `times` of `sweep`, and return them as readings.
 
-    Mistakes are added to the problems. The readings are empty if neither is given, or
-    only one, which is a mistake, or if `gauges` is no list. A faulty gauge is left out.
-    `check_also` checks the further columns.
+    Mistakes are added to `problems`. The readings are empty if neither argument is
+    given, if only one is given (a mistake), or if `gauges` is not a sequence (another
+    mistake). Gauges that `_check_gauge` refuses are left out. Further columns stay
+    empty: `check_also` reads them.
     """
     is_sequence = isinstance(gauges, Sequence | np.ndarray)
-    has_items = getattr(gauges, "ndim", 1) > 0  # a single number as an array has none
+    # An array of ndim 0 is a single number; other sequences have no attribute ndim.
+    has_items = getattr(gauges, "ndim", 1) > 0
     if not is_sequence or not has_items:
         message = f"must be [(body, x), ...], got {shown(gauges)}"
         problems.append(("gauges", message))
@@ -73,11 +75,11 @@ def check_readings(
 def _check_gauge(
     problems: Problems, system: System, path: str, gauge: Any
 ) -> tuple[int, float] | None:
-    """Body of a gauge, and its place in m from the left end.
+    """Index of the body of a gauge, and its distance x from the left end, m.
 
-    `gauge` must be such a pair, and lie in a rod of every member; if not, a problem is
-    added, and the result is None. A place that is no number, or negative, has a
-    problem, too, but is returned.
+    `gauge` must be such a pair, and must lie in a rod of every member; if not, a
+    problem is added, and the result is None. An x that is negative or not a number is a
+    problem, too, but the pair is returned.
     """
     try:
         body, x = gauge
@@ -86,17 +88,17 @@ def _check_gauge(
         problems.append((path, message))
         return None
     x = GAUGE_PLACE.checked(problems, f"{path}.x", x)
-    lengths = {}  # of rods, by their index in the row
+    lengths = {}  # lengths of the rods, by their index in the row
     for index, member in enumerate(system.bodies):
         if isinstance(member, Rod):
             lengths[index] = member.length
     if not is_integer(body) or body not in lengths:
-        rods = ", ".join(map(str, lengths))
+        rods = ", ".join(map(str, lengths))  # their indices
         message = f"must be a rod, {rods}; got {shown(body)}"
         problems.append((f"{path}.body", message))
         return None
-    shortest = float(np.min(lengths[int(body)]))  # of all members
-    if np.all(x > shortest):  # all, for a list of places, which has a problem already
+    shortest = float(np.min(lengths[int(body)]))  # shortest length of all members
+    if np.all(x > shortest):  # x may be an array, which is a problem already
         message = (
             f"must lie in body {body} of every member, 0 to {shortest!r} m, got {x!r}"
         )
@@ -106,11 +108,11 @@ def _check_gauge(
 
 
 def check_also(problems: Problems, names: Any, until: float | None) -> tuple[str, ...]:
-    """Check the argument `also` of `sweep`, and return its names.
+    """Check the argument `also` of `sweep`, and return its known names.
 
-    Each known name is returned once, in the order of `ALSO`. Mistakes are added to the
-    problems: unknown names, displacements without `until`, and anything but a list,
-    which gives ().
+    Each name is returned once, in the order of `ALSO`. Mistakes are added to
+    `problems`: unknown names, "displacement" without `until`, and anything that is not
+    a list; in the last case the result is ().
     """
     choices = ", ".join(f'"{name}"' for name in ALSO)
     is_text = isinstance(names, str | bytes)
