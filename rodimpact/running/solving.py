@@ -20,7 +20,7 @@ WORK_UNITS = {
     "characteristics": "steps",
     "finite-difference": "steps",
 }
-"""Work that each method counts as it goes on, for a progress bar."""
+"""Units of work that a progress bar counts, by method."""
 
 
 @explain_arguments
@@ -171,6 +171,6 @@ def collide(
     method = DEFAULT_OPTIONS.method_for(system)
     with Progress(progress=True, name="collide", unit=WORK_UNITS[method]) as report:
         run = DEFAULT_OPTIONS._run_checked(method, system, report)
-    if run.totals:  # the method has found them itself: no fields are needed
+    if run.totals:  # the method has found the totals itself: fields are not needed
         return outcome_of(run, run.totals)
     return Solution(run, DEFAULT_OPTIONS).outcome

@@ -14,31 +14,32 @@ from ..units import format_si
 from .columns import columns_of
 from .sweep_result import SweepResult
 
-MAX_LISTED_MEMBERS = 20  # members of a family that are all listed
-SAMPLED_MEMBERS = 12  # members that are listed of a larger family
-MAX_LISTED_BODIES = 8  # bodies whose velocities are listed for each member
+MAX_LISTED_MEMBERS = 20  # size of the largest family whose members are all listed
+SAMPLED_MEMBERS = 12  # number of members that are listed of a larger family
+MAX_LISTED_BODIES = 8  # largest number of bodies whose velocities are listed
 
 Varied = Sequence[tuple[str, Any, str]]
-"""For each axis of a family: the path of what varies, its values, and their unit."""
+"""For each axis of a family: path of the number that varies, its values, their unit."""
 TextColumns = dict[str, list[str]]
-"""Columns of a table by their heads: an entry for each member that is listed."""
+"""Columns of a table by their heads: one text for each member that is listed."""
 
 
 def sweep_table(result: SweepResult, varied: Varied, more: str) -> str:
-    """Text on what the collisions of a family did, for people.
+    """Results of the collisions of a family as text, for people.
 
     Parameters
     ----------
     result : SweepResult
     varied : sequence of (path, values, unit)
-        What varies along each axis.
+        The number that varies along each axis, with its values.
     more : str
-        How to get at all members, where only some are listed.
+        How to see all members; used if only some of them are listed.
 
     Returns
     -------
     str
-        The grids, the extremes of e, all collisions or some, and why some have no e.
+        Tables of the grids, of the extremes of e, and of all collisions or some of
+        them; then the reasons why collisions have no e, if there are such.
     """
     rows = [["varied", "values", "from", "to"]]
     for path, values, unit in varied:
@@ -53,13 +54,13 @@ def sweep_table(result: SweepResult, varied: Varied, more: str) -> str:
 
 
 def sweep_json(result: SweepResult, varied: Varied) -> Iterator[str]:
-    """What the collisions of a family did, for programs: the lines of a JSON document.
+    """Results of the collisions of a family for programs: lines of a JSON document.
 
     Parameters
     ----------
     result : SweepResult
     varied : sequence of (path, values, unit)
-        What varies along each axis.
+        The number that varies along each axis, with its values.
 
     Yields
     ------
@@ -78,7 +79,7 @@ def sweep_json(result: SweepResult, varied: Varied) -> Iterator[str]:
         "shape": result.shape,
         "varied": axes,
     }
-    # One line for each column: the object of the head stays open for them.
+    # Without its closing brace, the object stays open for the columns, a line each.
     yield json.dumps(head).removesuffix("}") + ', "columns": {'
     columns = result.table()
     last = list(columns)[-1]
@@ -94,15 +95,15 @@ def sweep_json(result: SweepResult, varied: Varied) -> Iterator[str]:
 def _extremes(result: SweepResult, varied: Varied) -> str:
     """Table of the number of collisions, and of the smallest and largest e.
 
-    Each e stands beside the numbers that vary of the first member that has it. Both are
-    left out if no member has an e.
+    Beside an extreme e are the varied numbers of the first member that has this e. Both
+    lines are left out if no member has an e.
     """
     grid = ""
     if result.shape:
         grid = f"in a grid of {' x '.join(map(str, result.shape))}"
     rows = [["collisions", str(result.restitution.size), grid]]
     for name, extreme in (("smallest", np.fmin), ("largest", np.fmax)):
-        # Both leave nan out: it is the result only if all are nan.
+        # fmin and fmax ignore nan, unless all values are nan.
         e = extreme.reduce(result.restitution, axis=None)
         if not math.isnan(e):
             index = _index_of_first(result.restitution == e)
@@ -110,22 +111,23 @@ def _extremes(result: SweepResult, varied: Varied) -> str:
             label = f"{name} coefficient of restitution e"
             e_shown = without_round_off(e, scale=1.0)
             rows.append([label, f"{e_shown:.9g}", where])
-    return align(rows, left=(0, 2))  # the numbers between end at the right
+    return align(rows, left=(0, 2))  # the numbers, in column 1, end at the right
 
 
 def _members(result: SweepResult, varied: Varied, more: str) -> str:
-    """Table of all collisions of a small family, of evenly spread ones of a large one.
+    """Table of all members of a family, or of evenly spread members of a large one.
 
-    Its columns: what varies, then totals of the only contact that can open or else
-    velocities of the bodies, energy of vibration, and what was asked for besides. If
-    only some are listed, a line below says so, with `more`.
+    Its columns are the numbers that vary; totals of the contact that can open, or
+    velocities of the bodies if this is not exactly one contact; the vibration energy;
+    and the results that `also` requested. If only some members are listed, a line below
+    the table says so, with the text `more`.
     """
     system = result.system
     count = result.restitution.size
     listed = count
     if count > MAX_LISTED_MEMBERS:
         listed = SAMPLED_MEMBERS
-    # Places of the listed members in C order
+    # Indices of the listed members in C order
     members = np.linspace(0, count - 1, listed).round().astype(int)
     numbers = {}  # by column, [listed member]
     for name, column in result.columns.items():
@@ -137,7 +139,7 @@ def _members(result: SweepResult, varied: Varied, more: str) -> str:
     else:
         columns |= _of_bodies(len(system.bodies), numbers)
     scales = _energy_scales(result, members, numbers)
-    energies = []  # less than the round-off of its scale counts as 0
+    energies = []  # an energy below the round-off of its scale is shown as 0
     for vibration, scale in zip(numbers["vibration"], scales, strict=True):
         energies.append(joules(vibration, scale))
     columns["vibration energy"] = energies
@@ -152,16 +154,17 @@ def _members(result: SweepResult, varied: Varied, more: str) -> str:
 
 
 def _varied_columns(result: SweepResult, varied: Varied, members: Any) -> TextColumns:
-    """Columns of text with what varies along each axis, for some members.
+    """Columns of text with the number that varies along each axis, for some members.
 
-    `members` are their places in C order. There is no column for a single collision.
+    `members` are the indices of these members in C order. For a single collision there
+    is no column.
     """
     shape = result.shape
     if not shape:  # a single collision is a table of one line
         shape = (1,)
-    columns: TextColumns = {}
+    columns: TextColumns = {}  # by path
     indices = np.unravel_index(members, shape)  # for each axis, [member]
-    # Not strict: nothing varies in a single collision, which has one axis here.
+    # Not strict: a single collision has one axis here, along which nothing varies.
     for axis, index in zip(varied, indices, strict=False):
         path, values, unit = axis
         columns[path] = _written(values[index], unit)
@@ -169,11 +172,11 @@ def _varied_columns(result: SweepResult, varied: Varied, members: Any) -> TextCo
 
 
 def _of_contact(k: int, numbers: dict[str, Any]) -> TextColumns:
-    """Columns of text on contact k: e, its totals and its episodes.
+    """Columns of text for contact k: e, its totals and its number of episodes.
 
-    They are made of `numbers` by column, [member]. The contact is the only one that can
-    open, so that the restitution of the collision is its own. "-" stands for nan, and
-    for the episodes of a member that was refused.
+    They are made from `numbers`, arrays [member] by column name. Contact k is the only
+    one that can open, so the restitution of the collision belongs to it. "-" stands for
+    nan, and for the episodes of a member that the method refused.
     """
     impulses = numbers[f"impulse.{k}"]
     episode_counts = numbers[f"episodes.{k}"]
@@ -185,7 +188,9 @@ def _of_contact(k: int, numbers: dict[str, Any]) -> TextColumns:
             episodes.append(str(episode_count))
     restitution = []
     for e in numbers["restitution"]:
-        restitution.append(_digits(e, scale=1.0))  # less than the round-off of 1 is 0
+        restitution.append(
+            _digits(e, scale=1.0)
+        )  # below the round-off of 1: shown as 0
     return {
         "e": restitution,
         "impulse": _written(impulses, "N s"),
@@ -196,13 +201,14 @@ def _of_contact(k: int, numbers: dict[str, Any]) -> TextColumns:
 
 
 def _of_bodies(count: int, numbers: dict[str, Any]) -> TextColumns:
-    """Columns of text with velocities of bodies, from numbers by column [member].
+    """Columns of text with the velocities of `count` bodies after the collision.
 
-    Of more than `MAX_LISTED_BODIES` bodies only the first and the last ones are listed,
-    half of this number each. "-" stands for nan.
+    They are made from `numbers`, arrays [member] by column name. If there are more than
+    `MAX_LISTED_BODIES` bodies, only the first and the last ones are listed, half of
+    this number each. "-" stands for nan.
     """
-    velocities = _numbered("velocity_after", count, numbers)  # of a body, [member]
-    fastest = np.max(np.abs(velocities), axis=0)  # speed, [member]
+    velocities = _numbered("velocity_after", count, numbers)  # [body][member]
+    fastest = np.max(np.abs(velocities), axis=0)  # largest speed, [member]
     bodies = list(range(count))
     if count > MAX_LISTED_BODIES:
         half = MAX_LISTED_BODIES // 2
@@ -217,7 +223,7 @@ def _of_bodies(count: int, numbers: dict[str, Any]) -> TextColumns:
 
 
 def _numbered(name: str, count: int, numbers: dict[str, Any]) -> list[Any]:
-    """The columns name.0 to name.(count - 1) of numbers by column."""
+    """The columns "name.0" to "name.(count - 1)" of `numbers`, in this order."""
     columns = []
     for i in range(count):
         columns.append(numbers[f"{name}.{i}"])
@@ -225,12 +231,12 @@ def _numbered(name: str, count: int, numbers: dict[str, Any]) -> list[Any]:
 
 
 def _energy_scales(result: SweepResult, members: Any, numbers: dict[str, Any]) -> Any:
-    """Scale of energies, J, [member]: what is less than its round-off counts as 0.
+    """Scale of energies, J, [member]: an energy below its round-off counts as 0.
 
-    It is (sum of m) (spread of v)^2/2 + (sum of abs(J))^2/(2 smallest m), with masses
-    m, but not of walls, velocities v after and impulses J: no less than the energy of
-    the motion of the bodies relative to each other. `members` are the places in C order
-    of those in `numbers`.
+    It is (sum of m) (spread of v)^2/2 + (sum of abs(J))^2/(2 smallest m), with the
+    masses m of all bodies except walls, the velocities v after and the impulses J of
+    all contacts. It is no less than the energy of the relative motion of the bodies.
+    `members` are the indices in C order of the members in `numbers`.
     """
     bodies = result.system.bodies
     masses = []
@@ -242,41 +248,42 @@ def _energy_scales(result: SweepResult, members: Any, numbers: dict[str, Any]) -
     impulses = _numbered("impulse", len(result.system.contacts), numbers)
     total_impulse = np.sum(np.abs(impulses), axis=0)
     spread = np.ptp(velocities, axis=0)
+    # Energy of masses that differ in velocity by no more than the spread
     of_motion = np.sum(masses, axis=0) * spread**2 / 2
     smallest_mass = np.min(masses, axis=0)
     return of_motion + total_impulse**2 / (2 * smallest_mass)
 
 
 def _written(values: Any, unit: str) -> list[str]:
-    """Values with their unit, each with a prefix such as "m" for 1/1000; nan as "-"."""
+    """Values as text with unit and SI prefix, such as "5 mm"; "-" stands for nan."""
     return [format_si(value, unit) for value in values]
 
 
 def _digits(value: float, scale: float, unit: str = "") -> str:
-    """Six digits of a value, without round-off relative to a scale; "-" for nan."""
+    """A value with six digits; 0 if it is only round-off of `scale`, "-" for nan."""
     if math.isnan(value):
         return "-"
     return f"{without_round_off(value, scale):.6g}{unit}"
 
 
 def _why_no_restitution(result: SweepResult, varied: Varied) -> str:
-    """Sentences on members without e, a line for each kind; "" if all have an e.
+    """Sentences on members without e, one line per kind of member; "" if all have an e.
 
-    Members of one kind have the same status; in addition, either all or none of them
-    have touched. A line tells how many members a kind has, and why the first of them
-    has no e; for this the first member is solved again.
+    The members of a kind have the same status; in addition, either all or none of them
+    had a contact that pressed. A line gives the number of members of this kind without
+    e, and the reason for the first of them, which is solved again to find it.
     """
     missing = np.isnan(result.restitution)
-    # Number of episodes of all contacts, an array of the family's shape
+    # Sum of the episodes of all contacts, an array of the family's shape
     episodes: Any = 0
     for contact in result.contacts:
         episodes = episodes + contact.episodes
     never_met = episodes == 0
-    # A different number for each pair (status, never_met): never_met is 0 or 1
+    # One number for each pair (status, never_met): `never_met` counts as 0 or 1.
     kinds = np.asarray(2 * result.columns["status"] + never_met)
     sentences = []
     for kind in np.unique(kinds[missing]):
-        of_kind = missing & (kinds == kind)
+        of_kind = missing & (kinds == kind)  # members of this kind without e
         index = _index_of_first(of_kind)
         count = int(np.count_nonzero(of_kind))
         have = f"{count} collisions have"
@@ -289,13 +296,15 @@ def _why_no_restitution(result: SweepResult, varied: Varied) -> str:
 
 def _index_of_first(chosen: Any) -> Any:
     """Index, a tuple, of the first member in C order for which `chosen` is true."""
+    # argmax of truth values is the index of the first True
     return np.unravel_index(np.argmax(chosen), chosen.shape)
 
 
 def _where(index: Any, varied: Varied) -> str:
-    """Values of what varies for the member of that index: "path = value, ...".
+    """Text "path = value, ..." of the varied numbers of the member at an index.
 
-    `index` has an entry for each axis; () of a single collision gives "".
+    `index` has one entry per axis of the family; that of a single collision, (), gives
+    the text "".
     """
     coordinates = []
     for i, axis in zip(index, varied, strict=True):

@@ -1,7 +1,7 @@
-"""What became of a family of collisions: arrays of its shape, tables, files.
+"""Results of a family of collisions: arrays of its shape, tables and files.
 
-A column has one entry a collision; which columns there are follows from the system and
-what was read at gauges.
+A column has one entry per collision; the system and the argument `also` of `sweep`
+decide which columns there are.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ from .columns import (
 )
 from .readings import RequestedReadings
 
-LINES_PER_BLOCK = 4096  # lines of a table that are made at a time
+LINES_PER_BLOCK = 4096  # number of lines of a table that are made at a time
 
 
 @explain_missing()
@@ -147,30 +147,27 @@ class SweepResult(Shown, OnlyContact[Any]):
 
     @property
     def axes(self) -> tuple[Axis, ...]:
-        """What varies along each dimension, an `Axis` with the path and its values.
+        """The number that varies along each axis: its path and values as an `Axis`.
 
-        A number that varies along this dimension alone names it, the first of several.
-        Without such a number it is "axis 0", "axis 1" and so on, and the values count
-        from 0.
+        It is the first number that varies along this axis only. If there is none, the
+        name is "axis 0", "axis 1" and so on, and the values are 0, 1, 2, ...
         """
         axes = []
         for dimension, size in enumerate(self.shape):
             axes.append(Axis(f"axis {dimension}", np.arange(size)))
-        # In reverse, so that the first of several numbers replaces the others.
+        # In reverse, so that the first number of an axis replaces the later ones.
         for path, values in reversed(self.parameters.items()):
-            varies = np.greater(values.shape, 1)  # [axis of the values]
+            varies = np.greater(values.shape, 1)  # whether along each axis of `values`
             if np.count_nonzero(varies) == 1:
-                # Arrays broadcast from their last axis on, so axes count from there.
+                # Arrays are broadcast with their last axes aligned, so the axis counts
+                # from the last one, as a negative index.
                 axis_from_last = int(np.argmax(varies)) - values.ndim
                 axes[axis_from_last] = Axis(path, values.ravel())
         return tuple(axes)
 
     @property
     def restitution(self) -> Any:
-        """Effective coefficient of restitution e.
-
-        It is nan where undefined, see `explain`.
-        """
+        """Effective coefficient of restitution e; nan if undefined, see `explain`."""
         return self.columns["restitution"]
 
     @property
@@ -200,7 +197,7 @@ class SweepResult(Shown, OnlyContact[Any]):
     def incomplete(self) -> Any:
         """Whether each run was stopped before its end, or failed.
 
-        The cap on events or the clock stops a run.
+        A run is stopped by `max_events` or by the clock.
         """
         return ~np.isin(self.columns["status"], ENDED)
 
@@ -235,7 +232,7 @@ class SweepResult(Shown, OnlyContact[Any]):
     @property
     def dissipated(self) -> Any:
         """Energy lost in contacts, J; ValueError if `also` did not request it."""
-        return self._requested("dissipated")[0]
+        return self._requested("dissipated")[0]  # 0: the whole row
 
     @property
     def accuracy(self) -> Any:
@@ -244,7 +241,7 @@ class SweepResult(Shown, OnlyContact[Any]):
         It is relative to the largest velocity, impulse or peak force. ValueError if it
         was not requested by `also`.
         """
-        return self._requested("accuracy")[0]
+        return self._requested("accuracy")[0]  # 0: the whole row
 
     @property
     def sets(self) -> dict[int, Any]:
@@ -271,10 +268,10 @@ class SweepResult(Shown, OnlyContact[Any]):
         return self._requested("largest_stress")
 
     def _requested(self, name: str) -> dict[int, Any]:
-        """Columns of a name of `also`, by the index of their body or contact.
+        """Columns of a result that `also` names, by the index of the body or contact.
 
-        The index is 0 for the whole row. A name that the sweep was not asked for raises
-        NotAskedFor.
+        A result of the whole row has the index 0. NotAskedFor is raised if `also` of
+        the sweep did not name this result.
         """
         if name not in self.readings.also:
             message = f'was not asked for; give sweep(..., also=["{name}"])'
@@ -287,10 +284,10 @@ class SweepResult(Shown, OnlyContact[Any]):
     def explain(self, index: Any) -> str:
         """Reason why one member ended, or why it has no restitution, as a sentence.
 
-        The member is solved again. If the method refuses it, its mistakes are returned,
-        each with its path. If the run is complete, the sentence explains the
-        restitution; otherwise the end of the run. InvalidModel if the index picks
-        several members.
+        The member is solved again. If the run is complete but has no restitution, the
+        sentence tells why; otherwise it tells how the run ended. If the method refuses
+        the member, all its mistakes are returned, each with its path. InvalidModel is
+        raised if the index picks several members.
 
         Parameters
         ----------
@@ -308,7 +305,7 @@ class SweepResult(Shown, OnlyContact[Any]):
         solution = Solution(run, self.options)
         outcome = solution.outcome
         reached_end = solution.stopped_by == "until"
-        # A driven row is never final; a longer run would tell no more.
+        # A driven row is never final: its run is complete when it reaches `until`.
         is_complete = outcome.final or (outcome.driven and reached_end)
         if is_complete:
             reason = outcome.why_no_restitution()
@@ -332,7 +329,7 @@ class SweepResult(Shown, OnlyContact[Any]):
         check_family_name(path)
         contents = [self.system, asdict(self.options), list(self.readings)]
         document, arrays = describe(contents)
-        arrays = arrays | self.columns  # beside those of the system
+        arrays = arrays | self.columns  # `arrays` are those of the system
         if self.strain is not None:
             arrays["strain"] = self.strain
         write_npz(path, "sweep", document, arrays, force=force)
@@ -341,12 +338,12 @@ class SweepResult(Shown, OnlyContact[Any]):
     def restored(cls, document: dict[str, Any], arrays: Columns) -> SweepResult:
         """The result that `save` wrote, from its document and its arrays by name.
 
-        An error of any kind if the document is not one of `save`; ValueError if a
-        column does not have the family's shape.
+        An error of any class is raised if the document is not one of `save`; it is a
+        ValueError if a column has a wrong shape.
         """
         system, options, stored_readings = restore(document, arrays)
         gauges, times, also = stored_readings
-        # The document is of JSON, which has lists in place of tuples.
+        # JSON turned the tuples into lists.
         readings = RequestedReadings(
             gauges=tuple(map(tuple, gauges)), times=times, also=tuple(also)
         )
@@ -362,9 +359,10 @@ class SweepResult(Shown, OnlyContact[Any]):
     def table(self, start: int = 0, stop: int | None = None) -> Columns:
         """Varied numbers and results of the members `start` to `stop` - 1, by name.
 
-        Each is an array with an entry a member, in C order; a status is a word. Strains
-        are left out. By default these are all members. Indices below 0 count from the
-        end, as those of a slice; InvalidModel if they are no whole numbers.
+        Each is an array with one entry per member, in C order; a status is a word.
+        Strains are left out. The default is all members. Negative indices count from
+        the end, as in a slice. InvalidModel is raised if `start` or `stop` is not a
+        whole number.
         """
         is_stop_valid = stop is None or is_integer(stop)
         if not is_integer(start) or not is_stop_valid:
@@ -379,14 +377,14 @@ class SweepResult(Shown, OnlyContact[Any]):
         columns["status"] = self.status
         table = {}
         for name, values in columns.items():
-            # A number that varies along some axes alone is as long as 1 along others.
+            # A number has the length 1 along the axes along which it does not vary.
             table[name] = np.broadcast_to(values, shape)[index]
         return table
 
     def csv_lines(self) -> Iterator[str]:
-        """Lines of a CSV table of all members, without newlines; names first.
+        """Lines of a CSV table of all members, without newlines; the first has names.
 
-        The columns are those of `table`. Numbers have every digit, and nan is an empty
+        The columns are those of `table`. Numbers have all their digits; nan is an empty
         cell.
         """
         yield ",".join([*self.parameters, *self.columns])
@@ -454,7 +452,7 @@ class SweepResult(Shown, OnlyContact[Any]):
         coordinates: Columns = {}  # by name: names of the dimensions, and the values
         for path, values in self.parameters.items():
             coordinates[path] = (names, np.broadcast_to(values, self.shape))
-        # In place of the number that names an axis come its values along this axis.
+        # The number that names an axis is replaced by its values along this axis alone.
         for axis in self.axes:
             coordinates[axis.name] = ([axis.name], axis.values)
         variables: Columns = {}
@@ -462,6 +460,7 @@ class SweepResult(Shown, OnlyContact[Any]):
             variables[name] = (names, column)
         variables["status"] = (names, self.status)
         if self.strain is not None:
+            # `gauges` are pairs (body, x).
             bodies, places = zip(*self.gauges, strict=True)
             coordinates["time"] = (["time"], self.times)
             coordinates["body"] = (["gauge"], list(bodies))
@@ -470,7 +469,7 @@ class SweepResult(Shown, OnlyContact[Any]):
         return dataset(self.system, variables, coordinates)
 
     def __repr__(self) -> str:
-        """Shape of the family, and paths of what varies."""
+        """Shape of the family, and paths of the numbers that vary."""
         varied = "nothing"
         if self.parameters:
             varied = ", ".join(self.parameters)

@@ -1,7 +1,7 @@
 """sweep(): every collision of a family, on any executor.
 
-Its members are run in chunks, which are smaller families; a chunk's result is a table
-of columns, one row a collision.
+The members are run in chunks, which are smaller families. The result of a chunk is a
+table of columns with one row per collision.
 """
 
 from __future__ import annotations
@@ -175,18 +175,19 @@ def sweep(
     except InvalidModel as error:
         problems += error.problems
     raise_if_problems(problems)
-    description: dict[str, Any] = {}
+    description: dict[str, Any] = {}  # only a checkpoint on disk uses it
     if checkpoint is not None:
         description = describe_sweep(system, options, readings)
     store = Checkpoint(layout_of(system, readings), size, checkpoint, description)
-    # They close in reverse order: jobs first, and last the store, which saves.
+    # The contexts end in reverse order: the jobs are stopped first, and the store saves
+    # last.
     with (
         contextlib.closing(store),
         Progress(progress, "sweep", "collisions") as report,
         pool_of(executor, workers) as pool,
         contextlib.closing(run_jobs(system, options, readings, store, pool)) as turns,
     ):
-        # Each turn brings the jobs that have ended since the last one, or none.
+        # In each turn: the jobs that have ended since the previous turn, if any.
         for ended_jobs in turns:
             for start, stop, part in ended_jobs:
                 store.put(start, stop, part)
@@ -194,7 +195,7 @@ def sweep(
             report(done, size)
     columns = {}
     for name, column in store.columns.items():
-        member_shape = column.shape[1:]
+        member_shape = column.shape[1:]  # () except for "strain"
         columns[name] = column.reshape((*system.shape, *member_shape))
     strain = columns.pop("strain", None)
     return SweepResult(system, options, NamedItems(columns), readings, strain)
@@ -203,11 +204,10 @@ def sweep(
 def describe_sweep(
     system: System, options: Options, readings: RequestedReadings
 ) -> dict[str, Any]:
-    """Everything on which the results of a sweep depend, by name, ready for JSON.
+    """All inputs on which the results of a sweep depend, by name, ready for JSON.
 
-    It has the version of rodimpact, a digest and the shape of the system, the options
-    and the readings. A checkpoint may be continued only by a sweep with the same
-    description.
+    They are the version of rodimpact, a digest and the shape of the system, the options
+    and the readings. Only a sweep with the same description may continue a checkpoint.
     """
     return {
         "rodimpact": __version__,
@@ -215,5 +215,5 @@ def describe_sweep(
         "shape": system.shape,
         **asdict(options),
         **readings._asdict(),
-        "times": readings.times.tolist(),  # in place of the array of the readings
+        "times": readings.times.tolist(),  # replaces the array, which JSON cannot hold
     }

@@ -1,4 +1,4 @@
-"""warm(): everything that can run compiled, compiled before anybody waits for it."""
+"""warm(): all solvers are compiled in advance, before a result is waited for."""
 
 import time
 import warnings
@@ -15,7 +15,7 @@ from ..model.laws import Spring
 from .solving import solve
 from .sweeping import sweep
 
-WARMING_CELLS = 8  # cells of the grid with which its kernels are run
+WARMING_CELLS = 8  # number of cells of the grid in the runs that compile its kernels
 
 
 @explain_arguments
@@ -58,13 +58,13 @@ def warm() -> float:
 
 
 def warm_method(name: str) -> None:
-    """Run each kernel of the method of that name at least once, compiled.
+    """Compile all kernels of a method, by running each of them at least once.
 
-    Two small families take all of them: two rods, and a mass with a spring before a
-    rod. A family that the method cannot solve is left out.
+    Two small families are enough for this: two rods, and a mass with a spring in front
+    of a rod. A family that the method cannot solve is left out.
     """
     method = METHODS[name]
-    cells = None
+    cells = None  # other methods have no mesh
     if "cells" in method.takes:  # a small mesh is enough
         cells = WARMING_CELLS
     bar = Rod(1.0, area=1e-4, material=steel)
@@ -73,7 +73,7 @@ def warm_method(name: str) -> None:
         System([Rod(0.5, area=1e-4, material=steel, velocity=speeds), bar]),
         System([RigidMass(0.1, velocity=speeds), bar], contacts=[Spring(1e6)]),
     ]
-    with kernels.forced(True):
+    with kernels.forced(True):  # True: compiled, however short the runs are
         for family in families:
             # Needs of the system that the method lacks, such as compliant contacts
             lacking = method.lacking(needs(family))
@@ -82,19 +82,20 @@ def warm_method(name: str) -> None:
 
 
 def _run_kernels(family: System, method: str, cells: int | None) -> None:
-    """Run all kernels that a method has for this family, and for its first member.
+    """Run all kernels of a method, by the family as a sweep and by its first member.
 
-    `cells` is the mesh of a method that has one, else None.
+    `cells` is the number of cells for a method with a mesh, else None.
     """
     sweep(family, method, cells=cells, workers=1)
-    also = ["largest_stress"]  # for which members are solved one by one, too
+    also = ["largest_stress"]  # for this, members are also solved one by one
     sweep(family, method, until=1e-3, cells=cells, workers=1, also=also)
     solution = solve(family[0], method=method, cells=cells)
     if cells is not None:
-        # Without cells a search for the mesh runs, and has kernels, too. Its tolerance
-        # is loose, so that it ends at once.
+        # Without `cells` the method searches for a mesh, by further kernels. The large
+        # rtol ends the search at once.
         solve(family[0], method=method, rtol=1.0)
-    # Fields have kernels, too. Any places [x, 1] and times [t] will do.
+    # Fields have kernels, too. Any positions x, [position, 1], and times t, [time], are
+    # good enough. Body 1 is the bar.
     x = np.array([[0.0], [0.5]])
     t = np.array([0.0, 1e-4])
     solution.velocity(1, x, t)
