@@ -188,9 +188,8 @@ def _of_contact(k: int, numbers: dict[str, Any]) -> TextColumns:
             episodes.append(str(episode_count))
     restitution = []
     for e in numbers["restitution"]:
-        restitution.append(
-            _digits(e, scale=1.0)
-        )  # below the round-off of 1: shown as 0
+        # An e below the round-off of 1 is shown as 0.
+        restitution.append(_digits(e, scale=1.0))
     return {
         "e": restitution,
         "impulse": _written(impulses, "N s"),

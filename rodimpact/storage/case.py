@@ -1,4 +1,4 @@
-"""A case file's content: a collision or a family of them, and what to do with it."""
+"""Content of a case file: a collision or a family, options, outputs and gauges."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -20,20 +20,20 @@ from .grids import Varied
 from .saved_result import SavedResult
 
 CASE_SCHEMA = 1
-"""Version of the case files; readers refuse others."""
+"""Version of the case files; readers refuse files of other versions."""
 OUTPUTS = ("plot", "save")
 MAX_CASE_BYTES = 10**7
 """Largest size of a case file, bytes.
 
-Python takes up to a hundred bytes of memory for each of them.
+Reading takes up to a hundred bytes of memory for each byte of the file.
 """
 
 
 class GaugePlace(NamedTuple):
     """A strain gauge on a rod.
 
-    body; fraction of its length, from the left end; name : of its column or channel, or
-    "".
+    body : index of the rod; fraction : distance from its left end over its length;
+    name : name of the gauge's column or channel, "" if it has none.
     """
 
     body: int
@@ -49,8 +49,8 @@ class Case:
     Attributes
     ----------
     system : System
-        Of shape (), or where numbers are varied of shape (n_0, n_1, ...), one axis a
-        grid.
+        A single collision, of shape (); if numbers vary, a family of shape
+        (n_0, n_1, ...), with one axis per grid.
     solve : dict
         Options for ``ri.solve`` that were given: some of `until` (s), `method`,
         `max_events`, `dt` (s), `rtol`, `cells` and `snapshots`.
@@ -59,10 +59,11 @@ class Case:
     path : str
         Name of the file that was read; empty without a file.
     varied : tuple of Varied
-        What varies along each axis; the system holds the same numbers in its own terms.
+        The number or variable that varies along each axis. The system has the values,
+        too.
     gauges : tuple of GaugePlace
         Strain gauges that the page of ``rodimpact explore`` shows, ``run --gauges``
-        writes and ``compare`` lays beside a record.
+        writes and ``compare`` compares with a record.
     result : SavedResult or None
         Outcome of a saved solution, which is compared when the case is solved again.
 
@@ -81,14 +82,14 @@ class Case:
     path: str = ""
     varied: tuple[Varied, ...] = field(default=(), compare=False)
     gauges: tuple[GaugePlace, ...] = ()
-    # not compared: a nan, such as the first force of a contact without any, equals
-    # nothing
+    # Not compared: nan, such as the time of the first force of a contact without force,
+    # is unequal to itself.
     result: SavedResult | None = field(default=None, compare=False)
 
     def __post_init__(self) -> None:
         """Raise InvalidModel if an entry is not of its class, or has a wrong value.
 
-        All mistakes are raised together; a wrong `system` is raised alone, first.
+        A wrong `system` is raised at once; all other mistakes are raised together.
         """
         check_kind("system", self.system, System, "System([rod, Wall()])")
         problems: Problems = []
@@ -99,7 +100,7 @@ class Case:
             add_problem(problems, "path", "must be the name of a file", path)
         for name, kind in (("varied", Varied), ("gauges", GaugePlace)):
             entries: Any = getattr(self, name)
-            is_valid = isinstance(entries, tuple | list)  # a list is as good
+            is_valid = isinstance(entries, tuple | list)  # a list is accepted, too
             if is_valid:
                 is_valid = all(isinstance(entry, kind) for entry in entries)
             if not is_valid:
@@ -112,10 +113,10 @@ class Case:
 
 
 def _check_options(problems: Problems, options: Any) -> None:
-    """Add a problem for each option that `solve` does not have, or for wrong values.
+    """Add a problem for each option that `solve` does not have, or else a wrong value.
 
-    Values are checked only if all names are known. Paths begin with "solve."; options
-    that are no mapping are one problem at "solve".
+    Values are checked only if all names are known. The path of each problem begins with
+    "solve."; options that are not a mapping are one problem at "solve".
     """
     if not isinstance(options, Mapping):
         add_problem(problems, "solve", "must be arguments of ri.solve by name", options)
@@ -137,7 +138,7 @@ def _check_options(problems: Problems, options: Any) -> None:
 def _check_output(problems: Problems, output: Any) -> None:
     """Add a problem at "output" unless it maps words of `OUTPUTS` to names of files.
 
-    Several wrong entries are one problem.
+    Several wrong entries give a single problem.
     """
     if not isinstance(output, Mapping):
         add_problem(

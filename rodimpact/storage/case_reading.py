@@ -1,8 +1,8 @@
-"""The tables of a case file become a `Case`.
+"""Reading of the tables of a case file: they become a `Case`.
 
 Each table names a class of the model by its `kind` or `law`, and gives the numbers that
-this class declares. An object with mistakes is replaced by a stand-in, so that all
-mistakes of the file are found at once; then the file is refused.
+this class declares. An object with mistakes is replaced by a valid one, its stand-in,
+so that reading goes on and finds all mistakes of the file. Then the file is refused.
 """
 
 import math
@@ -45,13 +45,14 @@ DAMPING = {
     "loss_factor": QuantityField("", "non-negative"),
     "loss_frequency": QuantityField("Hz", "positive"),
 }
-"""Numbers in place of the viscosity of a material."""
+"""Numbers that may be given instead of the viscosity of a material."""
 DAMPING_KEYS = {"^frequency": "loss_frequency"}
+"""Argument of `Material.damped` with another name in the file: pattern, replacement."""
 SYSTEM_KEYS = {r"^gaps\.(\d+)": r"contacts.\1.gap", "^gaps$": "contacts"}
-"""Keys of the file, where the model has other names: pattern and replacement."""
+"""Paths of the model with other names in the file: pattern and replacement."""
 SEGMENT_KEYS = (*Segment.fields, "material", "lateral_inertia")
 ANY_ROD = Rod(1.0, area=1.0, material=materials.steel)
-ANY_LAW = Spring(1.0)  # which goes between any bodies
+ANY_LAW = Spring(1.0)  # stand-in: a spring is allowed between any two bodies
 STAND_INS: dict[str, Body] = {"rod": ANY_ROD, "mass": RigidMass(1.0), "wall": Wall()}
 """Bodies in place of those with mistakes, by kind."""
 KIND_OF_WORD = {
@@ -66,7 +67,7 @@ KIND_OF_WORD = {
     "ram": "mass",
     "soil": "wall",
 }
-"""Kinds of bodies by words that are no kinds, but may be meant."""
+"""Kind of body that is probably meant by a word that is not a kind."""
 Materials = dict[str, Material]
 """Materials by name."""
 
@@ -76,7 +77,7 @@ def case_from(
     source: str = "case",
     vary: Mapping[str, ArrayLike] | None = None,
 ) -> Case:
-    """Make a case of the tables that a case file holds.
+    """Make a `Case` from the tables of a case file.
 
     Objects with mistakes are replaced by stand-ins while reading goes on, so that all
     mistakes are found. Then they are raised together.
@@ -84,7 +85,7 @@ def case_from(
     Parameters
     ----------
     data : dict
-        As ``tomllib.loads`` makes it of a case file, or a program of its own.
+        Tables as ``tomllib.loads`` returns them for a case file.
     source, vary
         As for `parse_case`.
 
@@ -95,18 +96,18 @@ def case_from(
     Raises
     ------
     InvalidModel
-        With all mistakes, each with the path of its entry; at once if `data` is no
-        dict, if `vary` is wrong, or for a newer schema.
+        With all mistakes, each with the path of its entry. It is raised at once if
+        `data` is not a dict, if `vary` is wrong, or if the schema is a newer one.
     """
     if not isinstance(data, dict):
         raise invalid_argument(
             source, f"must be the tables of a case file, got {shown(data)}"
         )
     reading = Reading(read_grids(vary))
-    top = Table(reading, "", data)
+    top = Table(reading, "", data)  # path "": the whole file
     check_schema(top)
     library = read_materials(top.table("materials"))
-    # Arguments of `System`: at first the gravity, if it is given
+    # Arguments of `System`; its only number, the gravity, is among them if it is given.
     arguments = top.given_numbers(System)
     bodies = [read_body(table, library) for table in top.tables("bodies")]
     contacts = read_contacts(top, bodies, library)
@@ -134,20 +135,20 @@ def case_from(
         raise InvalidModel(list(reading.mistakes.items()))
     varied = []  # in the order of the axes
     for grid in reading.axes:
-        if grid.varied is not None:  # always: `check_grids` refuses one without values
+        if grid.varied is not None:  # always true: `check_grids` refuses other grids
             varied.append(grid.varied)
     return Case(system, options, output, source, tuple(varied), tuple(gauges), result)
 
 
 def _body_or_any_rod(body: Body | None) -> Body:
-    """The body; a rod stands in for one of an unknown kind."""
+    """The body, or the stand-in `ANY_ROD` if it is None, for an unknown kind."""
     if body is None:
         return ANY_ROD
     return body
 
 
 def _material_or_steel(material: Material | None) -> Material:
-    """The material; steel stands in for one with mistakes."""
+    """The material, or steel as its stand-in if it is None, for one with mistakes."""
     if material is None:
         return materials.steel
     return material
@@ -156,12 +157,13 @@ def _material_or_steel(material: Material | None) -> Material:
 def check_schema(top: Table) -> None:
     """Note a mistake if the schema, the version of the file, is missing or wrong.
 
-    A newer one raises InvalidModel at once.
+    A newer schema raises InvalidModel at once.
     """
     schema = top.get("schema")
-    is_whole_number = type(schema) is int  # True is an int, too, but no schema
+    is_whole_number = type(schema) is int  # isinstance would accept True
     if is_whole_number and schema > CASE_SCHEMA:
-        # Other entries may mean other things there: their mistakes would mislead.
+        # Entries of a newer file may have another meaning, so their mistakes would
+        # mislead.
         message = (
             f"is {shown(schema)}; this rodimpact reads {CASE_SCHEMA}, get a newer one"
         )
@@ -176,9 +178,10 @@ def check_schema(top: Table) -> None:
 def read_materials(group: Table) -> Materials:
     """Materials of the file and of the library, by key.
 
-    `group` has a table for each material of the file, which replaces a material of the
-    library with the same key. With a loss factor a material gets the viscosity that
-    follows from it. Mistakes are noted, and steel then replaces the material.
+    `group` has a table for each material of the file. A material of the file replaces
+    the material of the library with the same key. If it has a loss factor, its
+    viscosity follows from that. Mistakes are noted, and steel stands in for a material
+    with mistakes.
     """
     library = dict(materials.TABLE)
     for name in group.data:
@@ -189,8 +192,8 @@ def read_materials(group: Table) -> Materials:
         material = _material_or_steel(built)
         damping = read_damping(table)
         if damping:
-            # The method `damped` makes the material, as the class `Material` does
-            # above. `DAMPING_KEYS` turns its arguments into keys of the file.
+            # Here the method `damped` takes the place of a class: called with these
+            # arguments, it returns a material.
             damped = table.make_or_note(material.damped, DAMPING_KEYS, **damping)
             material = _material_or_steel(damped)
         table.note_unknown_keys()
@@ -199,15 +202,16 @@ def read_materials(group: Table) -> Materials:
 
 
 def read_material_numbers(table: Table) -> dict[str, Any]:
-    """Numbers of a material, arguments of `Material`: given, varied or required ones.
+    """Numbers that a table of a material gives or varies, as arguments of `Material`.
 
-    A required one that is missing is noted, and nan. A wave speed may stand in place of
-    the modulus; if the table has both, both are returned, which `Material` refuses.
+    A required number that is missing is noted and is nan. The wave speed may be given
+    instead of Young's modulus. If the table has both, both are returned; `Material`
+    refuses them.
     """
     if not table.has(SPEED):
         return table.given_numbers(Material)
-    without = []
-    if not table.has(MODULUS):  # it is required, and would be noted as missing
+    without = []  # numbers that are not read
+    if not table.has(MODULUS):  # the modulus is required: it would be noted as missing
         without.append(MODULUS)
     numbers = table.given_numbers(Material, without)
     numbers[SPEED] = table.number(SPEED, WAVE_SPEED)
@@ -215,10 +219,10 @@ def read_material_numbers(table: Table) -> dict[str, Any]:
 
 
 def read_damping(table: Table) -> dict[str, Any]:
-    """Arguments of `Material.damped`; {} with neither a loss factor nor its frequency.
+    """Loss factor and its frequency, the arguments of `Material.damped`.
 
-    If only one of them is given, the other is noted as missing, and nan. A viscosity
-    beside them is noted as a mistake.
+    The result is {} if neither is given. If only one is given, the other is noted as
+    missing, and is nan. A viscosity in addition is noted as a mistake.
     """
     has_factor = table.has_or_varies("loss_factor")
     has_frequency = table.has_or_varies("loss_frequency")
@@ -234,11 +238,12 @@ def read_damping(table: Table) -> dict[str, Any]:
 
 
 def read_material(table: Table, library: Materials, key: str = "material") -> Material:
-    """The material of `library` that an entry names, with its varying numbers.
+    """The material of `library` that the entry at `key` names.
 
-    They are arrays. A number may vary at "materials.NAME", for all bodies of this
-    material, and at the path of this entry if its key is "material". If the entry is
-    missing, unknown or a table, that is noted and steel stands in.
+    Numbers of the material that vary are arrays. A number may vary at the path
+    "materials.NAME", for all bodies of this material, or at the path of this entry, for
+    one body, if its key is "material". If the entry is missing, unknown or a table, a
+    mistake is noted and steel is returned.
     """
     if isinstance(table.get(key), dict):
         message = (
@@ -250,21 +255,22 @@ def read_material(table: Table, library: Materials, key: str = "material") -> Ma
     name = table.word(key, library)
     if name is None:
         return materials.steel
-    # The entries of this material have been read. An empty table at the same path has
-    # the numbers that vary there, and no others.
+    # The entries of this material were read before. An empty table at the same path
+    # gives only the numbers that vary there.
     in_library = Table(table.reading, f"materials.{name}", {})
     material = with_varying_numbers(in_library, library[name])
-    if key == "material":  # and not that of a face: it may vary in this body alone
+    if key == "material":  # the material of a body, not that of a face of a contact
         in_body = Table(table.reading, table.where(key), {})
         material = with_varying_numbers(in_body, material)
     return material
 
 
 def with_varying_numbers(table: Table, material: Material) -> Material:
-    """The material with arrays for the numbers that vary at paths of this table.
+    """Copy of a material with arrays for the numbers that vary at paths of this table.
 
-    The table is empty; grids and ties stand in for its entries. A wave speed that
-    varies gives a modulus that varies. Mistakes are noted, and change nothing.
+    The table itself is empty: its numbers come from grids and ties. A varying wave
+    speed gives a varying modulus. A mistake is noted; the numbers then keep their
+    values.
     """
     changes = {}
     for key, field in Material.fields.items():
@@ -274,16 +280,17 @@ def with_varying_numbers(table: Table, material: Material) -> Material:
         material = replace_in(table, material, **changes)
     if table.has_or_varies(SPEED):
         speed = np.asarray(table.number(SPEED, FIELDS[SPEED]))
-        # E = rho c abs(c): the material refuses the negative modulus of a negative c.
+        # E = rho c abs(c), not rho c^2: a negative c gives a negative modulus, which
+        # the material refuses.
         modulus = material.density * speed * abs(speed)
         material = replace_in(table, material, youngs_modulus=modulus)
     return material
 
 
 def replace_in(table: Table, material: Material, **numbers: Any) -> Material:
-    """The material with other numbers.
+    """Copy of a material with the given numbers replaced.
 
-    If a number is refused, that is noted, and the material is returned unchanged.
+    If a number is refused, a mistake is noted, and the material itself is returned.
     """
     changed = table.make_or_note(material.replace, **numbers)
     if changed is None:
@@ -292,9 +299,9 @@ def replace_in(table: Table, material: Material, **numbers: Any) -> Material:
 
 
 def read_body(table: Table, library: Materials) -> Body | None:
-    """The body of a table, or a stand-in of its kind if it has mistakes.
+    """The body that a table describes, or a stand-in of its kind if it has mistakes.
 
-    None if the kind is missing or unknown. All mistakes are noted.
+    The result is None if the kind is missing or unknown. All mistakes are noted.
     """
     word = table.get("kind")
     if isinstance(word, str) and word.lower() in KIND_OF_WORD:
@@ -313,7 +320,8 @@ def read_body(table: Table, library: Materials) -> Body | None:
             entries["shaft"] = read_shaft(table.table("shaft"))
     entries |= table.given_numbers(BODIES[kind])
     body: Body | None = None
-    has_faulty_segment = None in entries.get("segments", ())  # noted there
+    # None stands for a segment with mistakes; these are noted already.
+    has_faulty_segment = None in entries.get("segments", ())
     if not has_faulty_segment:
         body = table.make_or_note(BODIES[kind], **entries)
     table.note_unknown_keys()
@@ -323,16 +331,17 @@ def read_body(table: Table, library: Materials) -> Body | None:
 
 
 def read_rod_shape(table: Table, library: Materials) -> dict[str, Any]:
-    """Arguments of `Rod` for its shape: its segments, or else those of a single one.
+    """Arguments of `Rod` for its shape: segments, or length, area, material and so on.
 
-    With segments this is {"segments": list}; in the list a segment with mistakes is
-    None. Segments beside keys of a single one, such as a length, are noted as a
-    mistake, and these keys are left out.
+    If the table has segments, the result is {"segments": list}, in which a segment with
+    mistakes is None. Keys of a uniform rod, such as a length, are then a mistake and
+    are left out. Mistakes are noted.
     """
     if not table.has("segments"):
         return read_segment(table, library)
     has_segment_keys = False
-    for key in SEGMENT_KEYS:  # no break: a key that `has` saw is not noted as unknown
+    # No break: each key must be asked for by `has`, or it is noted as unknown.
+    for key in SEGMENT_KEYS:
         if table.has(key):
             has_segment_keys = True
     if has_segment_keys:
@@ -347,9 +356,9 @@ def read_rod_shape(table: Table, library: Materials) -> dict[str, Any]:
 
 
 def read_shaft(table: Table) -> Shaft | None:
-    """The soil or the drag along a rod; without a kind it is soil.
+    """The soil or the drag along a rod; soil if the table has no kind.
 
-    None if it has mistakes or an unknown kind, which are noted.
+    The result is None if the table has mistakes or an unknown kind, which are noted.
     """
     kind = table.word("kind", SHAFTS, Soil.kind)
     if kind is None:
@@ -362,10 +371,11 @@ def read_shaft(table: Table) -> Shaft | None:
 def read_drag(table: Table) -> Drag | None:
     """The drag along a rod; None if it has mistakes, which are noted.
 
-    A coefficient that is a profile is one per length, a number that of the whole rod.
+    A coefficient that is a number holds for the whole rod; a profile gives it per unit
+    length.
     """
     if isinstance(table.get("coefficient"), dict):
-        # A table is a profile along the rod, and per length: in N s/m^2, not N s/m.
+        # A table is a profile along the rod: its values are in N s/m^2, not N s/m.
         entries = table.given_numbers(Drag, without=["coefficient"])
         entries["coefficient"] = table.number("coefficient", COEFFICIENT_PER_LENGTH)
     else:
@@ -378,11 +388,11 @@ def read_drag(table: Table) -> Drag | None:
 def read_soil(table: Table) -> Soil | None:
     """The soil along a rod; None if it has mistakes, which are noted.
 
-    A resistance that is a profile is one per length, a number that of the whole rod.
-    With an unknown damping law further mistakes are not sought.
+    A resistance that is a number holds for the whole rod; a profile gives it per unit
+    length. After an unknown damping law no further mistakes are looked for.
     """
     if isinstance(table.get("resistance"), dict):
-        # A table is a profile along the rod, and per length: in N/m, not N.
+        # A table is a profile along the rod: its values are in N/m, not N.
         entries = table.given_numbers(Soil, without=["resistance"])
         entries["resistance"] = table.number("resistance", RESISTANCE_PER_LENGTH)
     else:
@@ -398,39 +408,39 @@ def read_soil(table: Table) -> Soil | None:
 
 
 def read_segment(table: Table, library: Materials) -> dict[str, Any]:
-    """Arguments of `Segment` that a table gives, the material always among them.
+    """Arguments of `Segment` that a table gives; the material is always among them.
 
-    A required number that is missing is nan, and an unknown theory of lateral inertia
-    None, without its polar moment; both are noted.
+    A required number that is missing is nan. If the theory of lateral inertia is
+    unknown, it is None, and so is the polar moment. Both mistakes are noted.
     """
     entries = table.given_numbers(Segment)
     entries["material"] = read_material(table, library)
     if table.has("lateral_inertia"):
         theory = table.word("lateral_inertia", THEORIES)
         entries["lateral_inertia"] = theory
-        if theory is None:  # a polar moment without a theory would be another mistake
+        if theory is None:  # `Segment` would refuse a polar moment without a theory
             entries["polar_moment"] = None
     return entries
 
 
 class Contacts(NamedTuple):
-    """Gaps and laws of all contacts, from the left."""
+    """Gaps and laws of all contacts, from left to right."""
 
-    gaps: list[Any]
+    gaps: list[Any]  # m; a number, or an array where it varies
     laws: list[ContactLaw]
 
 
 def read_contacts(
     top: Table, bodies: list[Body | None], library: Materials
 ) -> Contacts:
-    """Gaps and contact laws from left to right, one for each table of a contact.
+    """Gaps and laws of the contacts, one for each table of a contact in the file.
 
-    Without such tables the contacts between `bodies` are rigid and have no gap, unless
-    a grid varies their numbers. The number of tables is not checked here.
+    If the file has no such tables, all contacts between `bodies` are rigid with the gap
+    0, except for numbers that a grid varies. The number of tables is not checked here.
     """
     tables = top.tables("contacts")
     if not top.has("contacts"):
-        # An empty table gives a contact the defaults, and the grids at its path.
+        # An empty table gives a contact the default numbers, or the grids at its path.
         for i in range(len(bodies) - 1):
             tables.append(Table(top.reading, f"contacts.{i}", {}))
     gaps = []
@@ -446,19 +456,21 @@ def read_contacts(
 
 
 def read_law(table: Table, pair: list[Body | None], library: Materials) -> ContactLaw:
-    """The law of a contact: rigid without the word, a stand-in if it has mistakes.
+    """The law of a contact; `Rigid` if the table names no law.
 
-    The stand-in `ANY_LAW` goes between any bodies. It also replaces a restitution where
-    a body is unknown. A Hertz contact may have the radii of its faces in place of its
-    stiffness. `pair` has the left and the right body, None for one of unknown kind; it
-    is shorter if the case has too few bodies.
+    `ANY_LAW` stands in for a law with mistakes, which are noted. It also stands in for
+    a rigid law with a restitution if one of the two bodies is unknown. A Hertz contact
+    may have the radii of its faces instead of a stiffness. `pair` has the left and the
+    right body, None for a body of unknown kind; it is shorter if the case has too few
+    bodies.
     """
     name = table.word("law", CONTACT_LAWS, Rigid.law)
     if name is None:
         return ANY_LAW
     has_radius = False
     if name == Hertz.law:
-        for side in SIDES:  # no break: the path of each side can vary from now on
+        # No break: `has_or_varies` notes the path of each side as one that can vary.
+        for side in SIDES:
             if table.has_or_varies(f"{side}_radius"):
                 has_radius = True
         has_stiffness = table.has_or_varies("stiffness")
@@ -475,7 +487,7 @@ def read_law(table: Table, pair: list[Body | None], library: Materials) -> Conta
     knows_both_bodies = len(pair) == 2 and None not in pair
     has_restitution = isinstance(law, Rigid) and law.restitution is not None
     if has_restitution and not knows_both_bodies:
-        return ANY_LAW  # only some pairs of bodies may have a restitution
+        return ANY_LAW  # `Rigid` may have a restitution between some kinds of body only
     if law is None:
         return ANY_LAW
     return law
@@ -484,15 +496,16 @@ def read_law(table: Table, pair: list[Body | None], library: Materials) -> Conta
 def read_faces(
     table: Table, pair: list[Body | None], library: Materials
 ) -> dict[str, Any]:
-    """Radii and materials of a Hertz contact, arguments of `Hertz.from_radii`.
+    """Radii and materials of the faces of a Hertz contact, for `Hertz.from_radii`.
 
-    A radius that is not given is infinite, for a flat face. A material that is not
-    given is that of the rod there; at a mass or a wall it is None, for a rigid face.
-    Steel stands in where `pair` has None for the body, or no body.
+    A radius that is not given is infinite: the face is flat. A material that is not
+    given is the material of the rod; for a mass or a wall it is None: the face is
+    rigid. Steel stands in if `pair` has None for the body, or no body.
     """
     faces: dict[str, Any] = {}
-    bodies = [*pair, None, None]  # None for a body that is missing; two are taken
-    # The last segment of the left body touches the first one of the right body.
+    bodies = [*pair, None, None]  # None for missing bodies; the loop takes the first 2
+    # `touching`: the last segment (-1) of the left body touches the first one (0) of
+    # the right body.
     for side, body, touching in zip(SIDES, bodies, (-1, 0), strict=False):
         radius_key = f"{side}_radius"
         faces[radius_key] = math.inf
@@ -512,8 +525,9 @@ def read_faces(
 def read_ends(sides: Table) -> list[End]:
     """The left and the right end of the row, in this order.
 
-    An end that is not given is free; so is one with mistakes, which are noted. Kinds
-    that earlier versions wrote are read, too, but a message names those of `ENDS`.
+    An end that is not given is free. An end with mistakes is free, too, and they are
+    noted. Kinds that earlier versions wrote (in `END_OF_KIND`) are still read; messages
+    name only the kinds of `ENDS`.
     """
     ends: list[End] = []
     for side in SIDES:
@@ -524,7 +538,7 @@ def read_ends(sides: Table) -> list[End]:
             if isinstance(kind, str) and kind in END_OF_KIND:
                 end = table.read_object(END_OF_KIND[kind])
             else:
-                table.word("kind", ENDS)  # called to note the mistake
+                table.word("kind", ENDS)  # only notes the mistake
         if end is None:
             end = FREE
         ends.append(end)
@@ -533,10 +547,10 @@ def read_ends(sides: Table) -> list[End]:
 
 
 def read_solve(table: Table) -> dict[str, Any]:
-    """Arguments of `solve` that are given, by name; those with units in SI units.
+    """Arguments of `solve` that the table gives, by name; quantities in SI units.
 
-    Mistakes are noted. A wrong value stays among the arguments; one whose unit cannot
-    be read is nan.
+    Mistakes are noted. A wrong value is returned as it is; a quantity that cannot be
+    read is nan.
     """
     options = {}
     for key in defaults_of(Options):
@@ -545,15 +559,15 @@ def read_solve(table: Table) -> dict[str, Any]:
             if key in Options.fields:  # a number, which may have a unit
                 dimension = Options.fields[key].dimension
                 options[key] = table.quantity(key, options[key], dimension)
-    table.make_or_note(Options, **options)  # called to note the mistakes
+    table.make_or_note(Options, **options)  # only notes the mistakes
     table.note_unknown_keys()
     return options
 
 
 def read_output(table: Table) -> dict[str, str]:
-    """Names of files to write, by what they hold, "plot" or "save".
+    """Names of the files to write, by the words "plot" and "save", if given.
 
-    Those that are not given are left out. A wrong name is noted, and stays.
+    A wrong name is noted as a mistake, but is returned, too.
     """
     names = {}
     for key in ("plot", "save"):
@@ -570,15 +584,15 @@ def read_output(table: Table) -> dict[str, str]:
 
 
 def read_gauge(table: Table, bodies: list[Body | None]) -> GaugePlace:
-    """A strain gauge on one of the rods; mistakes are noted.
+    """The strain gauge that a table describes; mistakes are noted.
 
-    The body must be the index of a rod among the bodies, from 0, the fraction of its
-    length lie from 0 to 1, and the name, if there is one, be a text. A fraction that is
-    missing or no number is a mistake, and becomes nan; other wrong entries stay.
+    `body` must be the index of a rod among the bodies, from 0 on. `fraction` must be
+    from 0 to 1, and `name`, if it is given, must be text. A fraction that is missing or
+    not a number becomes nan; other wrong entries are returned as they are.
     """
     rods = [i for i, body in enumerate(bodies) if isinstance(body, Rod)]
     body = table.get("body")
-    is_rod = type(body) is int and body in rods  # True equals 1, but is no number
+    is_rod = type(body) is int and body in rods  # isinstance would accept True as 1
     if not is_rod:
         numbers = ", ".join(map(str, rods))
         message = f"must be the number of a rod, {numbers}; got {shown(body)}"
@@ -586,8 +600,8 @@ def read_gauge(table: Table, bodies: list[Body | None]) -> GaugePlace:
     fraction = table.get("fraction", math.nan)
     if table.has("fraction"):
         fraction = table.quantity("fraction", fraction, "dimensionless")
-    if not 0 <= fraction <= 1:  # true of nan, too
-        # Of two mistakes of an entry only the first is noted.
+    if not 0 <= fraction <= 1:  # also true for nan
+        # If `quantity` has noted a mistake of this entry, the second one is dropped.
         message = "give the place over the length of the rod, from 0 to 1"
         table.note_mistake("fraction", message)
     name = table.get("name", "")
@@ -598,9 +612,9 @@ def read_gauge(table: Table, bodies: list[Body | None]) -> GaugePlace:
 
 
 def note_wrong_units(top: Table) -> None:
-    """Note numbers that are tied to a quantity of another unit.
+    """Note a mistake for each number that is tied to a quantity of another unit.
 
-    All numbers must have been read. A tie is left out if its source has no values yet.
+    All numbers must have been read. A tie whose source has no values is not checked.
     """
     for path, tie in top.reading.grids.items():
         if isinstance(tie, Tie) and tie.source.varied is not None:
@@ -612,35 +626,35 @@ def note_wrong_units(top: Table) -> None:
 def check_grids(top: Table, system: System | None) -> None:
     """Note grids of unknown numbers, ties of a wrong unit, grids that change nothing.
 
-    The last two are sought only in a file without mistakes. The grid of a number has
-    had its values since the number was read; that of a variable gets them here, in
-    `Grid.varied`. `system` is None if it could not be made.
+    The last two are looked for only if the file has no other mistakes. `system` is None
+    if it could not be made. The grids of variables get their values here, in
+    `Grid.varied`; the grids of numbers got theirs when the numbers were read.
     """
     reading = top.reading
-    # With a wrong kind or law a table is not read, and its numbers are not known.
+    # A table with a wrong kind or law was not read, so its numbers are not known.
     unread_tables = []
     for path in reading.mistakes:
         table_path = re.sub(r"\.(kind|law)$", "", path)
-        unread_tables.append(f"{table_path}.")  # the beginning of paths in the table
+        unread_tables.append(f"{table_path}.")  # paths of its numbers begin with this
     variables = variables_of(reading.grids, reading.numbers)
     for path in reading.grids:
         if path in variables or path in reading.numbers:
             continue
         if path.startswith(tuple(unread_tables)):
-            continue  # the table may have this number
+            continue  # with the right kind, the table may have this number
         remedy = other_way_to_vary(path, top)
         if remedy == "":
             remedy = suggestion(path, reading.numbers)
         top.note_mistake(path, f"is no number that can vary; {remedy}")
     if system is None or reading.mistakes:
-        return  # a stand-in for an object with mistakes need not vary
+        return  # the stand-in of an object with mistakes does not vary
     grids = reading.axes
     for grid in grids:
         if grid.path in variables:
             grid.varied = grid.amounts()
     note_wrong_units(top)
     shape = system.shape
-    if shape == ():  # no number varies; with sizes of 0 every grid is noted below
+    if shape == ():  # no number varies: sizes 0 make the loop note every grid
         shape = (0,) * len(grids)
     for size, grid in zip(shape, grids, strict=True):
         # An axis along which no number varies is shorter than its grid.
@@ -649,7 +663,11 @@ def check_grids(top: Table, system: System | None) -> None:
 
 
 def other_way_to_vary(path: str, top: Table) -> str:
-    """Remedy for a material that varies, or a number of another law; "" for others."""
+    """Remedy for a wrong path of a number to vary, as the end of a message; "" if none.
+
+    There is a remedy for a path that ends in ".material", and for a number that a rigid
+    contact does not have, but that other laws have.
+    """
     if path.endswith(".material") and f"{path}.density" in top.reading.numbers:
         return (
             "write a case with each material, and solve each by `rodimpact run`, or "
@@ -660,7 +678,7 @@ def other_way_to_vary(path: str, top: Table) -> str:
         number_path is None
         or f"{number_path[1]}.restitution" not in top.reading.numbers
     ):
-        return ""  # the contact is not there, or it is not rigid
+        return ""  # there is no such contact, or it is not rigid
     laws = []
     for law, kind in CONTACT_LAWS.items():
         if number_path[2] in kind.fields:
