@@ -1,9 +1,9 @@
-"""Tables of a case file, with every mistake noted by its path.
+"""Tables of a case file: reading of their entries, with a note of every mistake.
 
 A table has numbers, words and tables by their keys. A class of the model declares its
-numbers in `fields`: unit, sign, default. A table is read by these declarations, so a
-new field or class needs no line here. A number with a mistake becomes nan, and reading
-goes on.
+numbers in `fields`: unit, sign, default. A table is read according to these
+declarations, so a new field or class needs no line here. A mistake is noted at its path
+in the file; a number with a mistake becomes nan, and reading goes on.
 """
 
 from __future__ import annotations
@@ -21,25 +21,22 @@ from ..model.profiles import Polynomials, Samples, Steps
 from ..units import shown
 from .grids import Grid, Tie
 
-PROFILE_SYNTAX = {  # for messages: how a profile is written, by `QuantityField.along`
+PROFILE_SYNTAX = {  # part of messages: syntax of a profile, by `QuantityField.along`
     "length": " A profile is written {values = [...], at = [...]} or "
     "{samples = [...]};",
     "time": " A profile is written {values = [...], at = [...]} or "
     "{samples = [...], step = ...};",
 }
 KEYS_OF_SAMPLE_PATHS = {r"^values\[(\d+)\]": r"samples.\1", "^values": "samples"}
-"""Keys of a profile of samples that the model calls otherwise.
-
-Each is a pattern and its replacement.
-"""
+"""Paths of a profile of samples with other names in the file: pattern, replacement."""
 SAMPLE_STEP = Samples.fields["step"]._replace(default=REQUIRED)
 POLYNOMIAL_KEYS = {
     r"^values\[(\d+)\]": r"polynomials.\1",
     "^values": "polynomials",
 }
-"""Keys of a profile of polynomials, where the model has other names."""
+"""Paths of a profile of polynomials with other names in the file."""
 SAME_NAMES: Mapping[str, str] = {}
-"""Names of a table whose keys are those of the model."""
+"""No replacement: file and model have the same names."""
 MATERIAL_PLACE = "a table of the material, [materials.NAME]"
 PLACE_OF_KEY = {
     "E": f"{MATERIAL_PLACE}, as youngs_modulus",
@@ -51,21 +48,21 @@ PLACE_OF_KEY = {
     "viscosity": MATERIAL_PLACE,
     "youngs_modulus": MATERIAL_PLACE,
 }
-"""Where a key belongs that stands in a table without such a key."""
+"""Table to which a key belongs, for messages about a key in a wrong table."""
 CURVE_KEYS = ("smooth", "error")
-"""Keys of a profile of samples that say how the curve runs between them."""
+"""Keys of a profile of samples about the curve between the samples."""
 
 
 @dataclasses.dataclass
 class Reading:
-    """Everything that reading one file collects.
+    """State of the reading of one file, shared by all its tables.
 
     Attributes
     ----------
     grids : dict of str to Grid or Tie
-        By the path of the number that varies.
+        Grids and ties by the path of the number or the name of the variable.
     numbers : dict of str to None
-        Paths of all numbers that can vary, in the order of reading.
+        Paths of all numbers that can vary, in the order of reading; an ordered set.
     mistakes : dict of str to str
         The first mistake at each path.
     """
@@ -76,25 +73,26 @@ class Reading:
 
     @property
     def axes(self) -> list[Grid]:
-        """The grids in the order of their axes, without the ties."""
+        """The grids in the order of their axes; ties are left out."""
         return [grid for grid in self.grids.values() if isinstance(grid, Grid)]
 
 
 class Table:
-    """One table of the file, at its path; "" is the whole file."""
+    """One table of the file, with its path; the path of the whole file is ""."""
 
     def __init__(self, reading: Reading, path: str, data: dict[str, Any]) -> None:
-        """Keep the path and the entries of a table, and what is read of the whole file.
+        """Store the path, the entries, and the state of the reading of the file.
 
-        No key counts as known yet.
+        `data` has the entries by key, as `tomllib` reads them. No key is known yet.
         """
         self.reading = reading
         self.path = path
         self.data = data
-        self.keys: dict[str, None] = {}  # known: asked for up to now, in this order
+        # Known keys, in the order in which they were asked for; an ordered set
+        self.keys: dict[str, None] = {}
 
     def where(self, key: str) -> str:
-        """Path of an entry in the file: "bodies.0.length"."""
+        """Path of an entry in the file, such as "bodies.0.length"."""
         if not self.path:
             return key
         return f"{self.path}.{key}"
@@ -104,58 +102,59 @@ class Table:
     ) -> None:
         """Note a mistake at a key of this table.
 
-        With `choices`, the one nearest to `word` is named behind the message, unless
-        `MOST_TOLD` mistakes are noted already. An entry has one mistake: further ones
-        follow from the first, and are dropped.
+        Only the first mistake of an entry is kept, since further ones follow from it.
+        With `choices`, the choice nearest to `word` is added to the message, unless
+        `MOST_TOLD` mistakes are noted already.
         """
         mistakes = self.reading.mistakes
         is_shown = len(mistakes) < MOST_TOLD
-        if choices and is_shown:  # the nearest takes long to find
+        # `nearest` is slow, so it is not called for messages that are not shown.
+        if choices and is_shown:
             message = f"{message}; {nearest(word, choices)}"
         mistakes.setdefault(self.where(key), message)
 
     def has(self, key: str) -> bool:
-        """Whether the file has this entry; from now on its key counts as known."""
+        """Whether the table has this entry; from now on its key is known."""
         self.keys[key] = None
         return key in self.data
 
     def get(self, key: str, default: Any = None) -> Any:
-        """What the file has at this key, else the default.
+        """Entry at this key, or the default if there is none.
 
-        From now on the key counts as known.
+        From now on the key is known.
         """
         self.keys[key] = None
         return self.data.get(key, default)
 
     def grid_or_tie(self, key: str) -> Grid | Tie | None:
-        """The grid or the tie in place of this number; None if there is none.
+        """The grid or the tie that replaces this number; None if there is none.
 
-        Its path is noted as one that can vary.
+        The path of the number is noted as one that can vary.
         """
         path = self.where(key)
         self.reading.numbers[path] = None
         return self.reading.grids.get(path)
 
     def has_or_varies(self, key: str) -> bool:
-        """Whether this number is in the file, or a grid or a tie in its place.
+        """Whether the file has this number, or a grid or a tie replaces it.
 
-        Its path is noted as one that can vary.
+        Its path is noted as one that can vary, and its key is known from now on.
         """
         varying = self.grid_or_tie(key)
         return self.has(key) or varying is not None
 
     def given_numbers(self, kind: Any, without: Collection[str] = ()) -> dict[str, Any]:
-        """Numbers of the class `kind` that are given, varied, or required, by key.
+        """Numbers of the class `kind` that are given, varied or required, by key.
 
-        They are the arguments of its constructor, in SI units. A required one that is
-        missing is noted, and nan; an optional one is left out, as those named in
-        `without` are.
+        They are arguments of its constructor, in SI units, see `number`. A required
+        number that is missing is noted as a mistake and is nan. Optional numbers that
+        are missing are left out, and so are those that `without` names.
         """
         numbers = {}
         for key, field in kind.fields.items():
             if key in without:
                 continue
-            if field.many:  # a list, whose items may vary, but not itself
+            if field.many:  # a list: its items may vary, but not the list itself
                 is_given = self.has(key)
             else:
                 is_given = self.has_or_varies(key)
@@ -164,22 +163,23 @@ class Table:
         return numbers
 
     def number(self, key: str, field: QuantityField) -> Any:
-        """A number, an array where it varies, a list, a profile, or a word.
+        """Value of a number of the model, in SI units.
 
-        The field tells which of these may be there, and whether infinity may. Numbers
-        are in SI units. A missing or wrong entry is noted; then a number is nan, a list
-        or a word None, and a profile 1.
+        It is a float, or an array if a grid or a tie replaces the entry. If `field`
+        allows it, it is a list, a profile, a word or infinity. A missing or wrong entry
+        is noted as a mistake; the result is then nan for a number, None for a list or a
+        word, and 1 for a profile.
         """
         if field.many:
             return self.number_list(key, field.dimension)
         value = self.get(key)
-        # A `Grid` or a `Tie` of this path takes the place of the entry.
+        # A `Grid` or a `Tie` at this path replaces the entry.
         value = self.reading.grids.get(self.where(key), value)
         may_be_profile = field.along != ""  # along a rod or in time
         if may_be_profile and isinstance(value, dict):
             return self.profile(key, field)
         if field.word and isinstance(value, str) and value[:1].isalpha():
-            # A text that begins with a letter is no number with a unit.
+            # A text that begins with a letter cannot be a number with a unit.
             return self.word(key, (field.word,))
         may_be_infinite = "infinite" in field.sign  # such as "positive or infinite"
         if may_be_infinite and value in ("inf", math.inf):
@@ -195,11 +195,12 @@ class Table:
         return self.quantity(key, value, field.dimension, profile_hint)
 
     def quantity(self, key: str, value: Any, dimension: str, hint: str = "") -> Any:
-        """The `value` at a key in SI units: a float, or the array of a grid or a tie.
+        """Convert the `value` at a key to SI units: to a float or an array.
 
-        A float is made of a number or of a text with a unit of the dimension, such as
-        "length". For anything else a mistake is noted, and the result is nan. `hint` is
-        added to the mistake for a list in place of a number that can vary.
+        A float results from a number, or from a text with a unit of the dimension, such
+        as "length"; an array results from a `Grid` or a `Tie`. For any other value a
+        mistake is noted, and the result is nan. If the value is a list and the number
+        can vary, `hint` is added to the message.
         """
         try:
             if isinstance(value, Grid | Tie):
@@ -208,7 +209,7 @@ class Table:
         except ValueError as error:
             path = self.where(key)
             message = str(error)
-            # A list is perhaps meant as a profile, or as the values of a grid.
+            # The list may be meant as a profile (`hint`), or as the values of a grid.
             can_vary = path in self.reading.numbers
             if isinstance(value, list) and can_vary:
                 message += f'{hint} vary={{"{path}": "start:stop:count"}} varies it'
@@ -218,9 +219,9 @@ class Table:
     def number_list(self, key: str, dimension: str, vary: bool = True) -> Any:
         """The list at a key as floats in SI units, of a dimension such as "length".
 
-        With `vary` a grid or a tie may take the place of an item, which becomes its
-        array. An item with a mistake is nan. For anything but a list the result is
-        None. All mistakes are noted.
+        If `vary` is true, a grid or a tie may replace an item, which is then an array.
+        An item with a mistake is nan. If the entry is missing or not a list, the result
+        is None. All mistakes are noted.
         """
         values = self.get(key)
         if not isinstance(values, list):
@@ -242,8 +243,9 @@ class Table:
     def profile(self, key: str, field: QuantityField) -> Any:
         """The profile that the table at a key describes; 1 if it has mistakes.
 
-        It is `Samples` if the table has the entry ``samples``, `Polynomials` if it has
-        ``polynomials`` and is along a rod, and else `Steps`. Mistakes are noted.
+        It is `Samples` if the table has the entry ``samples``; else `Polynomials` if it
+        has the entry ``polynomials`` and the profile is along a rod; else `Steps`.
+        Mistakes are noted.
         """
         table = self.table(key)
         if table.has("samples"):
@@ -251,10 +253,10 @@ class Table:
                 "values": table.number_list("samples", field.dimension, vary=False)
             }
             if field.along == "time":
-                # Unlike samples, the step can vary: the call notes its path.
+                # The step can vary (samples cannot): this call notes its path.
                 table.has_or_varies("step")
                 entries["step"] = table.number("step", SAMPLE_STEP)
-            for name in CURVE_KEYS:  # "smooth" and "error", as they are
+            for name in CURVE_KEYS:  # "smooth" and "error" are passed on unchanged
                 if table.has(name):
                     entries[name] = table.get(name)
             profile = table.make_or_note(Samples, KEYS_OF_SAMPLE_PATHS, **entries)
@@ -274,16 +276,16 @@ class Table:
             profile = table.make_or_note(Steps, values=values, at=jumps)
         table.note_unknown_keys()
         if profile is None:
-            return 1.0  # any number: the mistakes are noted
+            return 1.0  # any number will do, since the file is refused
         return profile
 
     def word(
         self, key: str, choices: Collection[str], default: str | None = None
     ) -> str | None:
-        """The word at a key, one of the choices; the default if there is none.
+        """The word at a key, which must be one of the choices.
 
-        For anything else, or none without a default, a mistake is noted, and the result
-        is None.
+        If the entry is missing, it is the default. For any other entry, or if there is
+        no default, a mistake is noted, and the result is None.
         """
         value = self.get(key, default)
         if isinstance(value, str) and value in choices:
@@ -295,30 +297,30 @@ class Table:
         return None
 
     def table(self, key: str) -> Table:
-        """The table of that name; an empty one if there is none.
+        """The table at a key; an empty table if there is none.
 
-        Anything else is noted as a mistake, and gives an empty table whose mistakes are
-        not noted in this file.
+        If the entry is not a table, a mistake is noted, and the result is an empty
+        table whose own mistakes are not noted.
         """
         data = self.get(key, {})
         if isinstance(data, dict):
             return Table(self.reading, self.where(key), data)
         self.note_mistake(key, f"must be a table, got {shown(data)}")
-        # Further mistakes go into a reading of their own, which nobody sees.
+        # Mistakes of the empty table go into another `Reading`, which is dropped.
         unseen = Reading(grids={})
         return Table(unseen, self.where(key), {})
 
     def tables(self, key: str) -> list[Table]:
-        """All tables of that name, in their order; [] if there is none.
+        """All tables of the list at a key, in their order; [] if there is none.
 
-        Anything but a list of tables is noted as a mistake, and gives [].
+        If the entry is not a list of tables, a mistake is noted, and the result is [].
         """
         items = self.get(key, [])
         is_valid = isinstance(items, list)
         if is_valid:
             is_valid = all(isinstance(item, dict) for item in items)
         if not is_valid:
-            # A header names no index: [[bodies.segments]] for bodies.0.segments
+            # A header has no index: [[bodies.segments]] for bodies.0.segments
             header = re.sub(r"\.\d+", "", self.where(key))
             message = f"must be tables that each begin [[{header}]]"
             self.note_mistake(key, f"{message}, got {shown(items)}")
@@ -331,8 +333,8 @@ class Table:
     def read_object(self, kind: Any, **entries: Any) -> Any:
         """The object of the class `kind` that this table describes.
 
-        Its numbers are read here; `entries` are its other arguments. It is None if it
-        has mistakes. They are noted, and so are unknown keys.
+        Its numbers are read here; `entries` are its other arguments. The result is None
+        if the object has mistakes. Mistakes and unknown keys are noted.
         """
         numbers = self.given_numbers(kind)
         numbers.update(entries)
@@ -343,11 +345,11 @@ class Table:
     def make_or_note(
         self, kind: Any, names: Mapping[str, str] = SAME_NAMES, /, **entries: Any
     ) -> Any:
-        """What `kind`, a class or another callable, makes of these entries.
+        """Call `kind`, a class or a function, with the entries; return its result.
 
-        If it raises InvalidModel, its mistakes are noted at paths in this table, and
-        the result is None. Where the model has other names than the file, `names` has
-        patterns of the model's paths, and their replacements.
+        If it raises InvalidModel, its mistakes are noted at their paths in this table,
+        and the result is None. `names` has patterns of the model's paths and their
+        replacements in the file, where the two have different names.
         """
         try:
             return kind(**entries)
@@ -359,9 +361,10 @@ class Table:
             return None
 
     def note_unknown_keys(self) -> None:
-        """Note every entry that was not asked for, with the nearest known key.
+        """Note a mistake for each entry whose key is not known.
 
-        For a key that belongs to another table, this table is named instead.
+        The message names the table to which the key belongs, see `PLACE_OF_KEY`, or
+        else the nearest known key.
         """
         for key in self.data:
             if key in self.keys:

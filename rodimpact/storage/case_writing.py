@@ -1,4 +1,4 @@
-"""Write a case as the text of a case file: the model's descriptions, as TOML."""
+"""Writing of a case as a case file: the descriptions of its objects, in TOML."""
 
 import json
 import re
@@ -15,7 +15,7 @@ from .saved_result import SavedResult
 from .writing import PathLike, check_ending, write_bytes
 
 MAX_ITEMS_PER_LINE = 6
-"""Items of a list in one line, at most."""
+"""Largest number of items of a list in one line."""
 
 
 @explain_arguments
@@ -37,8 +37,8 @@ def format_case(case: Case | System) -> str:
     Raises
     ------
     InvalidModel
-        For a family, for an object that is no case, for laws that are functions, and
-        for names that UTF-8 cannot hold.
+        For a family, for an object that is not a case, for laws that are functions, and
+        for names that cannot be written in UTF-8.
 
     Examples
     --------
@@ -59,7 +59,7 @@ def format_case(case: Case | System) -> str:
             f"a family of shape {system.shape} is no single case; write system[index]"
         )
         raise invalid_argument("system", message)
-    system.check_file()  # no law is a function
+    system.check_file()  # raises if a law is a function
     parts = _system_tables(system)
     for gauge in case.gauges:
         entries = gauge._asdict()
@@ -80,23 +80,23 @@ def format_case(case: Case | System) -> str:
 def _system_tables(system: System) -> list[str]:
     """Tables of a case file that describe a system, each as text.
 
-    The first has the schema and the gravity, if there is any. Then come materials,
-    bodies with their segments, contacts and ends.
+    The first has the schema and the gravity, if there is any. Materials, bodies with
+    their segments, contacts and ends follow.
     """
     described = system.to_dict()
     materials = _name_materials(system, described)
     parts = [
-        # The schema stands in place of a header: these entries have none.
+        # The top of the file has no header; the line of the schema takes its place.
         toml_table(f"schema = {CASE_SCHEMA}", {"gravity": described.get("gravity")})
     ]
     for key, material in materials.items():
         entries = material.to_dict()
-        entries["name"] = None  # left out, as a rule: the key is the name
+        entries["name"] = None  # left out if the key is the name of the material
         if key != material.name:
             entries["name"] = material.name
         parts.append(toml_table(f"[materials.{_key(key)}]", entries))
     for body in described["bodies"]:
-        # Segments are left out here, and follow as tables of their own.
+        # Segments are left out here (None); their own tables follow.
         parts.append(toml_table("[[bodies]]", body | {"segments": None}))
         for segment in body.get("segments", ()):
             parts.append(toml_table("[[bodies.segments]]", segment))
@@ -108,7 +108,7 @@ def _system_tables(system: System) -> list[str]:
 
 
 def _check_utf8(text: str) -> None:
-    """Raise InvalidModel if UTF-8 cannot hold a text."""
+    """Raise InvalidModel if a text cannot be written in UTF-8."""
     try:
         text.encode()
     except UnicodeEncodeError as error:
@@ -119,7 +119,7 @@ def _check_utf8(text: str) -> None:
 
 @explain_arguments
 def write_case(path: PathLike, case: Case | System, *, force: bool = False) -> None:
-    """Write a case, or just a system, as a case file: the whole file or none.
+    """Write a case, or just a system, as a case file; an error leaves no partial file.
 
     Parameters
     ----------
@@ -170,15 +170,17 @@ def check_case_name(path: PathLike) -> None:
 def _name_materials(system: System, described: dict[str, Any]) -> dict[str, Material]:
     """Give each material of a rod a key, and return the materials by key.
 
-    In `described`, the description of the system, the material of each rod or segment
-    is replaced by its key. A key is the name of the material, followed by a number if
-    another material has that name.
+    `described`, the description of the system, is changed in place: the material of
+    each rod or segment is replaced by its key. A key is the name of the material,
+    followed by a number if another material has the same name.
     """
     named: dict[str, Material] = {}
-    keys: dict[int, str] = {}  # keys by the id of the object, which many segments share
+    # Keys by the id of the material: many segments share one object.
+    keys: dict[int, str] = {}
     for body, table in zip(system.bodies, described["bodies"], strict=True):
         if not isinstance(body, Rod):
             continue
+        # The table of a uniform rod is that of its only segment, too.
         pieces = table.get("segments", [table])
         for segment, piece in zip(body.segments, pieces, strict=True):
             material = segment.material
@@ -189,10 +191,10 @@ def _name_materials(system: System, described: dict[str, Any]) -> dict[str, Mate
 
 
 def _free_key(named: dict[str, Material], material: Material) -> str:
-    """Key of a material: its name, or such as ``"steel 2"`` if another has that name.
+    """Key of a material: its name, or a key like ``"steel 2"`` if the name is taken.
 
-    The material is added to `named` at its key. An equal material that is there already
-    has the same key.
+    The material is added to `named` at its key. If `named` has an equal material, the
+    result is the key of that one.
     """
     key = material.name
     number = 1
@@ -205,7 +207,7 @@ def _free_key(named: dict[str, Material], material: Material) -> str:
 
 
 def _result_tables(result: SavedResult) -> list[str]:
-    """The table [result] and its subtables, numbers and their accuracy, each as text.
+    """The tables [result], [result.numbers] and [result.accuracy], each as text.
 
     The first has the words, such as the status, and whether the result is final.
     """
@@ -220,9 +222,9 @@ def _result_tables(result: SavedResult) -> list[str]:
 
 
 def toml_table(header: str, entries: Mapping[str, Any]) -> str:
-    """A table of a case file: a header such as "[solve]", then a line an entry.
+    """A table of a case file: a header such as "[solve]", then one line per entry.
 
-    Entries of None are left out.
+    Entries that are None are left out.
     """
     lines = [header]
     for key, value in entries.items():
@@ -232,7 +234,7 @@ def toml_table(header: str, entries: Mapping[str, Any]) -> str:
 
 
 def _key(name: str) -> str:
-    """A key, in quotes where it is no plain word."""
+    """A key of TOML, in quotes unless it has only letters, digits, "_" and "-"."""
     if re.fullmatch("[A-Za-z0-9_-]+", name):
         return name
     return _toml(name)
@@ -248,7 +250,8 @@ def _toml(value: Any) -> str:
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, str):
-        # Strings of JSON are strings of TOML, but TOML wants DEL escaped.
+        # A string of JSON is a string of TOML, except that TOML requires an escape for
+        # the character DEL.
         return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
     if isinstance(value, dict):
         entries = [f"{_key(key)} = {_toml(item)}" for key, item in value.items()]
@@ -261,4 +264,4 @@ def _toml(value: Any) -> str:
         for start in range(0, len(items), MAX_ITEMS_PER_LINE):
             lines.append(", ".join(items[start : start + MAX_ITEMS_PER_LINE]))
         return "[\n  " + ",\n  ".join(lines) + "\n]"
-    return repr(value)  # a number; inf and nan are words of TOML, too
+    return repr(value)  # a number; TOML has the words inf and nan, too

@@ -92,7 +92,11 @@ from .writing import file_name
 BARE_VALUE = re.compile(
     r"""(?<=[=,[{])\s*(?P<value>[^\s"'\[\]{},#=][^"'\[\]{},#=]*)(?=[,\]}#]|$)"""
 )
-"""A value that is neither text nor a list or a table, in a line of a case file."""
+"""A value in a line of a case file that is not text, a list or a table.
+
+It follows one of ``= , [ {``, and a comma, a closing bracket, a comment or the end of
+the line follows it.
+"""
 
 
 @explain_arguments
@@ -115,8 +119,8 @@ def read_case(
     Raises
     ------
     InvalidModel
-        If the file cannot be read, is no TOML, or describes no collision; with all its
-        mistakes.
+        If the file cannot be read, is not TOML, or does not describe a collision; with
+        all its mistakes.
 
     Examples
     --------
@@ -133,7 +137,7 @@ def read_case(
     name = file_name(path)
     try:
         with open_regular(name) as file:
-            raw = file.read(MAX_CASE_BYTES + 1)
+            raw = file.read(MAX_CASE_BYTES + 1)  # one more byte shows a longer file
     except OSError as error:
         message = f"cannot be read: {error.strerror}"
         raise invalid_argument(name, message) from None
@@ -142,7 +146,7 @@ def read_case(
             name, f"has more than {MAX_CASE_BYTES} bytes; is it a case file?"
         )
     try:
-        text = raw.decode("utf-8-sig")  # with or without the mark of UTF-8 in front
+        text = raw.decode("utf-8-sig")  # with or without a byte order mark
     except UnicodeDecodeError as error:
         line = raw.count(b"\n", 0, error.start) + 1
         raise invalid_argument(
@@ -213,7 +217,8 @@ def parse_case(
     try:
         data = tomllib.loads(text)
     except (ValueError, RecursionError) as error:
-        # For a number of 5000 digits Python adds a hint at sys.set_int_max_str_digits.
+        # For a number of 5000 digits the message of Python ends with advice on
+        # sys.set_int_max_str_digits, which is cut off.
         reason, _, _ = str(error).partition("; use sys.")
         message = f"is not valid TOML: {reason}{_hint_at_quotes(text, reason)}"
         if not source.endswith(".toml"):
@@ -226,17 +231,19 @@ def parse_case(
 
 
 def _hint_at_quotes(text: str, reason: str) -> str:
-    """Remedy for a value without its quotes, such as 400 mm; "" for another mistake.
+    """Hint for a value that lacks its quotes, such as 400 mm; "" for other mistakes.
 
-    `reason` is the message of `tomllib`, which names the line.
+    `text` is the case file, and `reason` the message of `tomllib`. The line that the
+    message names is searched; "" if it names none.
     """
     line_number = re.search(r"\(at line (\d+), column \d+\)", reason)
     if line_number is None:
         return ""
-    line = text.split("\n")[int(line_number[1]) - 1]
+    line = text.split("\n")[int(line_number[1]) - 1]  # lines are counted from 1
     for match in BARE_VALUE.finditer(line):
         value = match["value"].strip()
         try:
+            # Numbers, true, false and dates need no quotes.
             tomllib.loads(f"value = {value}")
         except ValueError:
             return f'; put text in quotes, "{one_line(value)}"'
