@@ -1,8 +1,8 @@
-"""A sweep on disk: files of members that are done.
+"""A sweep on disk: files with the results of members that are done.
 
-Each file knows whose members it has. A file is there as a whole or not at all, so a
-process may be killed at any moment; the next one goes on with what is missing, or is no
-longer what it was.
+Each file contains a description of its sweep. A file exists as a whole or not at all,
+so a process may be killed at any moment; the next process runs the members whose files
+are missing or damaged.
 """
 
 from __future__ import annotations
@@ -21,21 +21,21 @@ from .reading import FileFormatError, read_npz
 from .writing import PASSING, Arrays, PathLike, check_target, file_name, write_npz
 
 KIND = "part of a sweep"
-"""Kind of the files."""
+"""Kind of the files, see `read_npz`."""
 FILE_NAME = "members-{}.npz"
 """Name of a file, with the index of its first member."""
 SAVE_INTERVAL = 1.0
-"""Time between two files, s, at least; a crash undoes the work since the last one."""
+"""Shortest time between two files, s; a crash undoes the work since the last file."""
 SAVE_TIME_RATIO = 0.02
-"""Time between two files over the time so far, at least."""
+"""Shortest time between two files over the time since the sweep began."""
 
 
 class DamagedChunks(UserWarning):
-    """Parts of a checkpoint are not what was written, and are run again.
+    """Parts of a checkpoint are damaged, and their members are run again.
 
     Examples
     --------
-    A program that shall stop instead:
+    To stop the program with an error instead:
 
     >>> import warnings, rodimpact as ri
     >>> rod = ri.Rod(0.4, area=1e-4, material=ri.materials.steel, velocity=1.0)
@@ -46,35 +46,38 @@ class DamagedChunks(UserWarning):
 
 
 class Checkpoint:
-    """Columns of results, which are also kept in a directory where one is given.
+    """Columns of results in memory; if a directory is given, they are also saved there.
 
     Parameters
     ----------
-    columns : mapping of str to (dtype, shape of a member)
+    columns : mapping of str to (dtype, shape of the entry of a member)
     size : int
         Number of members.
     path : str or path, optional
-        Directory; made if there is none, gone on with if it holds the same sweep.
+        Directory. It is made if it does not exist, and continued if it holds the same
+        sweep.
     sweep : mapping
-        What makes it the same sweep, JSON-ready.
+        Description of the sweep, ready for JSON: two sweeps with equal descriptions
+        have the same results.
 
     Attributes
     ----------
     columns : dict of str to array, [member, ...]
+        Results; the entries of members that are not done are undefined.
     done : array of bool, [member]
+        Whether the columns have the results of each member.
 
     Warns
     -----
     DamagedChunks
-        If a file is not what was written; it is put aside, and its members are not
-        done.
+        If a file is damaged; it is renamed, and its members are not done.
 
     Raises
     ------
     FileFormatError
-        If the directory holds something else: another sweep, or foreign files.
+        If the directory holds another sweep or foreign files.
     OSError
-        If it cannot be read or written.
+        If the directory cannot be read or written.
     """
 
     def __init__(
@@ -84,12 +87,10 @@ class Checkpoint:
         path: PathLike | None,
         sweep: Mapping[str, Any],
     ) -> None:
-        """Make columns for `size` members, and take over those in the directory.
+        """Make columns for `size` members, and read the results in the directory.
 
-        The directory `path` is made if there is none; with None nothing is read or
-        kept. `columns` has the dtype and the shape of a member of each column, and
-        `sweep` what makes it the same sweep. A damaged file is a warning, a file of
-        another sweep FileFormatError.
+        The directory `path` is made if it does not exist; if it is None, nothing is
+        read or saved. For the other parameters, warnings and errors see the class.
         """
         self.size = size
         self.columns: Arrays = {}
@@ -98,7 +99,8 @@ class Checkpoint:
         self.path: Path | None = None
         if path is not None:
             self.path = Path(file_name(path))
-        # In the form in which it comes back from a file: JSON turns tuples into lists.
+        # In the form in which a file returns it, to be compared: JSON turns tuples into
+        # lists.
         self._sweep = json.loads(json.dumps(sweep))
         self._began = time.monotonic()  # s
         self._saved_at = self._began  # time of the last file, s
@@ -112,21 +114,24 @@ class Checkpoint:
                 self._take(chunk.start, stop, chunk.columns)
 
     def missing(self) -> list[Span]:
-        """Spans of the members that are not done."""
+        """Spans of consecutive members that are not done, in ascending order."""
         return spans(~self.done)
 
     def _take(self, start: int, stop: int, part: Mapping[str, Any]) -> None:
-        """Copy the columns of some members to their places; these members are done."""
+        """Copy the results of the members `start` to `stop - 1`; they are done now.
+
+        `part` has their columns by name.
+        """
         for name, column in self.columns.items():
             column[start:stop] = part[name]
         self.done[start:stop] = True
 
     def _files(self) -> list[Path]:
-        """Files of members in the directory, sorted; it is made if there is none.
+        """Files of members in the directory, sorted; [] if no directory is given.
 
-        Files that were not finished or are put aside are left out. [] if no directory
-        is given. OSError if no file can be written there, FileFormatError for foreign
-        files.
+        The directory is made if it does not exist. Unfinished files and damaged ones,
+        which were renamed, are left out. OSError is raised if no file can be written
+        there, FileFormatError for foreign files.
         """
         if self.path is None:
             return []
@@ -137,11 +142,11 @@ class Checkpoint:
                 f"cannot make the directory {shown_path(self.path)}: {error.strerror}"
             )
             raise type(error)(message) from None
-        # Raises if no file can be written there: now, before anything is computed.
+        # Raises if no file can be written there, before anything is computed.
         check_target(self.path / FILE_NAME.format(0), force=True)
         files = []
         for file in sorted(self.path.iterdir()):
-            is_left_over = file.name.startswith(PASSING)  # not whole, or put aside
+            is_left_over = file.name.startswith(PASSING)  # unfinished or damaged
             if is_left_over:
                 continue
             if not file.match(FILE_NAME.format("*")):
@@ -156,25 +161,25 @@ class Checkpoint:
     def _read(self, file: Path) -> _Chunk | None:
         """Index of the first member in a file, and the columns of its members.
 
-        None, with a warning, if the file is damaged; then it is put aside under another
-        name. FileFormatError if the members are of another sweep.
+        If the file is damaged, it is renamed, the warning DamagedChunks is given, and
+        the result is None. FileFormatError is raised if the file is of another sweep.
         """
 
         def as_it_is(document: dict[str, Any], columns: Arrays) -> Any:
-            """Document and arrays of a file, unchanged."""
+            """Return document and arrays of a file: the reader for `read_npz`."""
             return document, columns
 
         try:
             document, columns = read_npz(file, {KIND: as_it_is})
         except FileFormatError as error:
             message = f"{error}; it is put aside, and its members are run again"
-            # The line that calls `sweep`: above are the constructor, `sweep` and its
-            # decorator.
+            # stacklevel 5: this method, the constructor, `sweep`, its decorator, and
+            # the line that calls `sweep`
             warnings.warn(message, DamagedChunks, stacklevel=5)
             file.replace(file.with_name(PASSING + file.name))
             return None
         saved_sweep = document["sweep"]
-        different = []
+        different = []  # keys of the description with other entries in the file
         for key, entry in self._sweep.items():
             if saved_sweep.get(key) != entry:
                 different.append(key)
@@ -187,40 +192,39 @@ class Checkpoint:
         return _Chunk(document["start"], columns)
 
     def put(self, start: int, stop: int, part: Mapping[str, Any]) -> None:
-        """Put the results of the members `start` to `stop - 1` into the columns.
+        """Copy the results of the members `start` to `stop - 1` into the columns.
 
-        `part` has their columns by name. All members that are not on the disk are saved
-        if the last time is long ago: `SAVE_INTERVAL`, or longer for a long sweep.
+        `part` has their columns by name. Then all unsaved members are saved if the last
+        save was `SAVE_INTERVAL` ago, or longer in a long sweep.
         """
         self._take(start, stop, part)
         self._unsaved[start:stop] = True
         now = time.monotonic()
-        # Saving takes time: a long sweep saves less often.
+        # Saving takes time, so a long sweep saves less often.
         interval = max(SAVE_INTERVAL, SAVE_TIME_RATIO * (now - self._began))
         if now - self._saved_at >= interval:
             self._save()
 
     def close(self) -> None:
-        """Save what `put` has not saved yet."""
+        """Save the members that `put` has not saved yet."""
         self._save()
 
     def _save(self) -> None:
-        """Save the members that are not on the disk, a file for each run of them.
+        """Save the members that are not on the disk, one file per span of members.
 
-        From then on they count as saved, and the time until the next save begins anew.
-        Without a directory nothing is written, but they count as saved, too.
+        Afterwards these members count as saved, and the interval until the next save
+        begins. Without a directory no file is written; the rest is the same.
         """
         if self.path is not None:
-            # Each run of members without a gap, from `start` to `stop - 1`.
             for start, stop in spans(self._unsaved):
                 self._write(self.path / FILE_NAME.format(f"{start:08}"), start, stop)
         self._unsaved[:] = False
         self._saved_at = time.monotonic()
 
     def _write(self, file: Path, start: int, stop: int) -> None:
-        """Write the members `start` to `stop - 1` to a file; an old one is replaced.
+        """Write the members `start` to `stop - 1` to a file, which may be replaced.
 
-        OSError, with a sentence on going on later, if it cannot be written.
+        If the file cannot be written, OSError says that the sweep can be continued.
         """
         part = {}
         for name, column in self.columns.items():
@@ -234,22 +238,23 @@ class Checkpoint:
 
 
 class Span(NamedTuple):
-    """Consecutive members."""
+    """Consecutive members, `start` to `stop - 1`."""
 
     start: int
-    stop: int  # the one after the last member
+    stop: int  # index after the last member
 
 
 class _Chunk(NamedTuple):
     """Results of consecutive members."""
 
-    start: int  # the first member
-    columns: Arrays
+    start: int  # index of the first member
+    columns: Arrays  # by name, [member, ...]
 
 
 def spans(members: Any) -> list[Span]:
-    """Runs of members that are true, from an array of truth values [member]."""
+    """Spans of consecutive true entries of an array of truth values, [member]."""
+    # The zeros at both ends make a change of a span that touches the first or last one.
     changes = np.diff(np.concatenate(([0], members, [0])))
-    # By turns the first member of a run and the one after its last
+    # Alternately the first index of a span and the index after its last
     edges = np.flatnonzero(changes)
     return [Span(int(start), int(stop)) for start, stop in edges.reshape(-1, 2)]

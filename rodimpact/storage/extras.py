@@ -1,13 +1,13 @@
-"""Packages that rodimpact can do without, imported when they are asked for."""
+"""Optional packages, imported when they are needed."""
 
 from importlib import import_module
 from typing import Any
 
 
 def optional(name: str, extra: str) -> Any:
-    """Import a package, and return it.
+    """Import a package and return it.
 
-    If it is missing, ImportError says which extra of rodimpact brings it.
+    If it is missing, ImportError names the extra of rodimpact that installs it.
     """
     try:
         return import_module(name)

@@ -1,8 +1,9 @@
-"""A family in a file: a document of its system, and columns of the arrays in it.
+"""A family in a file: a JSON document of its system, and the arrays in it.
 
-An object of the model becomes its class and the parameters of its constructor. The
-constructor checks them again when the file is read. An array becomes its place in the
-column of its type.
+An object of the model is described by its class and the parameters of its constructor.
+The constructor checks them again when the file is read. Arrays of one type are joined
+in one flat array, the column of this type; in the document an array is replaced by its
+position in the column.
 """
 
 import math
@@ -35,24 +36,27 @@ MODEL_CLASSES: tuple[Any, ...] = (
     *SHAFTS.values(),
 )
 CLASSES: dict[str, Any] = {kind.__name__: kind for kind in MODEL_CLASSES}
+"""Classes of the model by their names in a document."""
 NOT_IN_JSON = {"nan": math.nan, "inf": math.inf, "-inf": -math.inf}
-"""Numbers that JSON does not have, and the words that stand for them."""
+"""Numbers that JSON does not have, by the words that stand for them."""
 
 
 class _Describer:
     """Describes objects as JSON, and collects their arrays."""
 
     def __init__(self) -> None:
-        self.columns = defaultdict[str, list[Any]](list)
-        self.sizes = Counter[str]()
-        # The array is kept with its place, so that no other array takes over its id.
+        self.columns = defaultdict[str, list[Any]](list)  # flat arrays by type
+        self.sizes = Counter[str]()  # number of entries of each column
+        # Array and its position, by the id of the array. The array is kept, so that no
+        # other array gets the same id.
         self.places: dict[int, tuple[Any, dict[str, Any]]] = {}
 
     def describe(self, value: Any) -> Any:
-        """Description, ready for JSON, of a value, its items and their items.
+        """Description, ready for JSON, of a value with all its items, recursively.
 
-        Infinity and nan become words, tuples lists. A mapping or an object of the model
-        becomes a dict with its "class", an array its place in a column, see `place_of`.
+        Infinity and nan become words, and tuples become lists. A mapping or an object
+        of the model becomes a dict with the key "class". An array becomes its position
+        in a column, see `place_of`. Other values are returned unchanged.
         """
         if isinstance(value, np.ndarray):
             return self.place_of(value)
@@ -61,10 +65,10 @@ class _Describer:
         if isinstance(value, float) and not math.isfinite(value):
             return str(float(value))
         if isinstance(value, str) and value in NOT_IN_JSON:
-            # This text, such as a name "inf", would be read as a number.
+            # A text such as the name "inf" would be read as a number.
             return {"class": "str", "text": value}
         if isinstance(value, Mapping):
-            items = list(value.items())  # pairs, since keys of JSON are texts alone
+            items = list(value.items())  # pairs, since all keys of JSON are texts
             return {"class": "dict", "items": self.describe(items)}
         if isinstance(value, Frozen):
             return self.describe_object(value)
@@ -84,19 +88,19 @@ class _Describer:
         return described
 
     def place_of(self, array: Any) -> dict[str, Any]:
-        """Place of an array in the column of its type: column, first index, and shape.
+        """Position of an array in the column of its type: column, first index, shape.
 
-        A new array is added to the end of its column. The same array has the same place
-        each time.
+        At its first call an array is added to the end of its column. Later calls with
+        the same object return the same position.
         """
         if id(array) not in self.places:
-            column = array.dtype.str[1:]  # such as "f8", without the order of bytes
+            column = array.dtype.str[1:]  # "f8" of "<f8", without the byte order
             position = {
                 "array": column,
                 "start": self.sizes[column],
                 "shape": list(array.shape),
             }
-            self.places[id(array)] = (array, position)  # kept, so that its id stays
+            self.places[id(array)] = (array, position)
             self.columns[column].append(array.ravel())
             self.sizes[column] += array.size
         _, position = self.places[id(array)]
@@ -106,9 +110,9 @@ class _Describer:
 def describe(content: Any) -> tuple[dict[str, Any], Arrays]:
     """Document and arrays from which `restore` makes an equal object.
 
-    The document is a dict ready for JSON. All arrays of a type stand one behind another
-    in one flat array, a column, named by the type, such as "f8". InvalidModel for a
-    system with a law that is a function.
+    The document is a dict ready for JSON. All arrays of one type are joined in one flat
+    array, the column of this type; its key is the type, such as "f8". InvalidModel is
+    raised for a system with a law that is a function.
     """
     describer = _Describer()
     document = {"content": describer.describe(content)}
@@ -119,15 +123,16 @@ def describe(content: Any) -> tuple[dict[str, Any], Arrays]:
 
 
 def restore(document: Mapping[str, Any], arrays: Arrays) -> Any:
-    """The object that `describe` described; an error of any kind for other documents.
+    """The object that `describe` described.
 
-    Objects of the model in it are made by the constructors of their classes, which
-    check them again. Arrays in it are parts of those in `arrays`.
+    The constructors of the model make the objects in it, and check them again. Arrays
+    in it are views of those in `arrays`. Any other document raises an error of any
+    class.
     """
 
     @cache
     def array_at(column: str, start: int, *shape: int) -> Any:
-        """Part of a column; the same array wherever the same place is named."""
+        """Array at a position of a column; the same object at each call."""
         stop = start + math.prod(shape)
         return arrays[column][start:stop].reshape(shape)
 
@@ -136,7 +141,7 @@ def restore(document: Mapping[str, Any], arrays: Arrays) -> Any:
         if isinstance(value, list):
             return list(map(restored, value))
         if isinstance(value, str):
-            return NOT_IN_JSON.get(value, value)  # a number such as nan, or a text
+            return NOT_IN_JSON.get(value, value)  # number of a word, or the text
         if not isinstance(value, dict):
             return value
         if "array" in value:

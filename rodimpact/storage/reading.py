@@ -1,8 +1,8 @@
-"""Reading of files: nothing is unpacked that the file's document does not announce.
+"""Safe reading of files: arrays are unpacked only if the file's document lists them.
 
-An NPZ is opened at its document. Only if that is one of rodimpact's are the arrays read
-that it names, and each must have the size, type, shape and checksum that it had when it
-was written.
+The document of an NPZ file is read first. If it is one of rodimpact, the arrays that it
+names are read. Each must have the size, type, shape and checksum that the document
+states.
 """
 
 import errno
@@ -33,12 +33,12 @@ from .writing import (
 )
 
 MAX_HEADER_BYTES = 1 << 12
-"""Bytes before the numbers of an array, at most; usually 128."""
+"""Largest size of the header of an NPY file, bytes; usually 128."""
 ADVICE = "load it on a larger machine"
 BYTES_PER_CHARACTER = 24
 """Largest memory that Python takes for a character of a document, bytes.
 
-A document of brackets alone takes most.
+A document that consists of brackets takes the most.
 """
 OLD_SOLUTION = (
     "holds the arrays of a single solution, as an earlier version of rodimpact saved "
@@ -47,11 +47,11 @@ OLD_SOLUTION = (
     "it, and write solution.system as a case file"
 )
 COMPRESSIONS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
-"""Compressions of arrays; others expand without bounds."""
+"""Accepted compressions of arrays; others may expand without limit."""
 
 
 class FileFormatError(ValueError):
-    """A file is not what it should be: foreign, damaged, or of a newer version.
+    """A file cannot be used: it is foreign, damaged, or of another version.
 
     Examples
     --------
@@ -67,10 +67,11 @@ class FileFormatError(ValueError):
     """
 
     def __init__(self, message: str, path: str = "") -> None:
-        """Keep path and message as `problems`; the text is the message behind the path.
+        """Store path and message as `problems`; the text is "path: message".
 
-        `problems` is a list of one pair, as that of `InvalidModel`. Without a path the
-        text is the message alone. Either must be text.
+        `problems` is a list of one pair (path, message), like that of `InvalidModel`.
+        If the path is "", the text is the message alone. InvalidModel is raised if
+        either is not text.
         """
         check_text("message", message, "is empty")
         check_text("path", path, "run.toml")
@@ -82,19 +83,21 @@ class FileFormatError(ValueError):
 
 
 def open_regular(path: PathLike) -> BinaryIO:
-    """Open a file for reading bytes; OSError if there is none, or a pipe or a device.
+    """Open a regular file for reading bytes.
 
-    For a missing file the error names one that is spelt like it.
+    OSError, or a subclass that fits, is raised if there is no such file, if it cannot
+    be opened, or if it is a directory, a pipe or a device. For a missing file the error
+    names a file with a similar name, if there is one.
     """
     path = file_name(path)
-    # A directory is left to `open`, whose error says what it is.
+    # A directory is left to `open`, which raises IsADirectoryError.
     is_file_or_directory = os.path.isfile(path) or os.path.isdir(path)
     if os.path.exists(path) and not is_file_or_directory:
         raise OSError(errno.EINVAL, "it is not a regular file", path)
     try:
         return open(path, "rb")
     except OSError as error:
-        # Without the quotes of `shown_path`: OSError puts its own around a name.
+        # [1:-1] removes the quotes of `shown_path`, as OSError adds its own.
         unquoted = shown_path(path)[1:-1]
         reason = str(error.strerror)
         if isinstance(error, FileNotFoundError):
@@ -105,9 +108,10 @@ def open_regular(path: PathLike) -> BinaryIO:
 
 
 def _similar_file(name: str) -> str:
-    """End of a message: a file of the same folder that is spelt like the missing one.
+    """End of a message that names a file of the same folder with a similar name.
 
-    One with an ending more, such as t1.toml for t1, comes first. "" if there is none.
+    A file that only has an ending in addition, such as t1.toml for t1, is preferred.
+    The result is "" if there is no such file.
     """
     path = Path(name)
     files = []
@@ -126,32 +130,33 @@ def _similar_file(name: str) -> str:
 def read_npz(
     path: PathLike, readers: Mapping[str, Callable[[dict[str, Any], Arrays], Any]]
 ) -> Any:
-    """Read what `write_npz` wrote.
+    """Read a file that `write_npz` wrote.
 
     Parameters
     ----------
     path : str or path
     readers : mapping of str to callable
-        For each kind of file, a function that makes the result of the document and the
-        arrays by name.
+        For each kind of file that is accepted, a function (document, arrays by name)
+        that makes the result.
 
     Returns
     -------
     object
-        What the reader of that kind makes.
+        Result of the reader of this kind of file.
 
     Raises
     ------
     FileFormatError
-        If the file is not such a one, is damaged, or its reader fails.
+        If `write_npz` did not write the file, if it is damaged or of a kind without a
+        reader, or if the reader raises an error.
     OSError
-        If it cannot be opened.
+        If the file cannot be opened.
     MemoryError
-        If it has more than the memory holds.
+        If the file needs too much memory.
     """
     with open_regular(path) as file:
         try:
-            if file.read(2) != b"PK":  # every ZIP begins with it
+            if file.read(2) != b"PK":  # the first bytes of every ZIP archive
                 raise FileFormatError(
                     "is not an NPZ file, so rodimpact did not save it"
                 )
@@ -163,10 +168,10 @@ def read_npz(
         except FileFormatError as error:
             raise FileFormatError(str(error), os.fspath(path)) from None
         except MemoryError:
-            raise  # the file may be whole
+            raise  # the file may be undamaged
         except Exception as error:
-            # zipfile, zlib and numpy raise a dozen kinds for a damaged file; some of
-            # the messages repeat the data
+            # zipfile, zlib and numpy raise a dozen classes of errors for a damaged
+            # file. The message is cut, as some of them repeat the data.
             reason = f"{type(error).__name__}: {error}"[:200]
             message = (
                 f"is not a whole NPZ file of plain arrays that fit together ({reason})"
@@ -175,10 +180,10 @@ def read_npz(
 
 
 def _document(archive: zipfile.ZipFile, readers: Mapping[str, Any]) -> dict[str, Any]:
-    """The document of an archive: kind, version, entries of its arrays, and the rest.
+    """The document of an archive, a dict: format, kind, schema, arrays and so on.
 
-    FileFormatError if it is foreign, of another schema, or of a kind that none of the
-    readers reads. MemoryError if it is too large.
+    FileFormatError is raised if it is foreign, of another schema, or of a kind that
+    `readers` does not have; MemoryError if it is too large.
     """
     foreign = FileFormatError("is an NPZ file, but not one that rodimpact saved")
     if "document.npy" not in archive.namelist():
@@ -195,7 +200,7 @@ def _document(archive: zipfile.ZipFile, readers: Mapping[str, Any]) -> dict[str,
         is_readable = schema == FILE_SCHEMA and kind in readers
     except (KeyError, TypeError, ValueError, RecursionError):
         raise foreign from None
-    if kind == "solution":  # of an earlier version, whatever the schema
+    if kind == "solution":  # only earlier versions wrote this kind
         raise FileFormatError(OLD_SOLUTION)
     if not is_readable:
         raise FileFormatError(
@@ -207,10 +212,11 @@ def _document(archive: zipfile.ZipFile, readers: Mapping[str, Any]) -> dict[str,
 
 
 def _arrays(archive: zipfile.ZipFile, entries: dict[str, Any]) -> Arrays:
-    """The arrays that the document names in its `entries`, by name.
+    """The arrays of an archive by name, checked against the entries of its document.
 
-    An entry has type, shape and checksum of the array. FileFormatError if an array is
-    missing, is not named, or differs from its entry; MemoryError if they are too large.
+    An entry has type, shape and checksum of an array, see `described`. FileFormatError
+    is raised if an array has no entry, if it is missing, or if it differs from its
+    entry; MemoryError if all arrays together are too large.
     """
     sizes = {}  # bytes
     expected_names = {"document.npy"}
@@ -219,8 +225,9 @@ def _arrays(archive: zipfile.ZipFile, entries: dict[str, Any]) -> Arrays:
         expected_names.add(f"{name}.npy")
     memory.check_file(archive.filename, sum(sizes.values()), ADVICE)
     mismatch = "is damaged: {} is not what the document says"
+    # Names that are only in the document or only in the archive
     unmatched = expected_names.symmetric_difference(archive.namelist())
-    if unmatched:  # the first of them is named
+    if unmatched:  # the message names the first of them
         raise FileFormatError(mismatch.format(min(unmatched)))
     arrays = {}
     for name, entry in entries.items():
@@ -231,10 +238,11 @@ def _arrays(archive: zipfile.ZipFile, entries: dict[str, Any]) -> Arrays:
 
 
 def _array(archive: zipfile.ZipFile, name: str, most: int) -> Any:
-    """The array `name` of an archive, with at most `most` bytes.
+    """The array `name` of an archive, of at most `most` bytes.
 
-    ValueError for more, and for another compression, version or length than that of an
-    NPY file. All this is checked before the numbers are unpacked. Objects are refused.
+    ValueError is raised if it is larger, if its compression or its version of NPY is
+    not accepted, or if its length does not agree with its header. All this is checked
+    before its numbers are unpacked. An array of Python objects is refused, too.
     """
     packed = archive.getinfo(f"{name}.npy")
     if packed.compress_type not in COMPRESSIONS:
@@ -244,6 +252,7 @@ def _array(archive: zipfile.ZipFile, name: str, most: int) -> Any:
     with archive.open(packed) as file:
         if np.lib.format.read_magic(file) != (1, 0):
             raise ValueError(f"{name} is an array of another version of NPY")
+        # The part that is left out is the order of the axes in memory.
         shape, _, dtype = np.lib.format.read_array_header_1_0(file)
         expected_bytes = dtype.itemsize * math.prod(shape)
         bytes_after_header = packed.file_size - file.tell()
