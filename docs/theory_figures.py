@@ -179,11 +179,11 @@ def contact() -> Axes:
     )
     overlap = np.linspace(0, 1.5, 100)
     force = overlap**1.5
-    ax.plot(-overlap, force, color=ORANGE, linestyle="--", label="Hertz: F = k d³ᐟ²")
+    ax.plot(-overlap, force, color=ORANGE, linestyle="--", label="Hertz: F = k δ³ᐟ²")
     ax.text(1.0, 0.08, "open: no force", ha="center")
     ax.text(0.06, 0.9, "closed:\nforce as needed")
     ax.set(
-        xlabel="gap g = −d, d the overlap",
+        xlabel="gap g = −δ, with the overlap δ",
         ylabel="contact force F",
         xlim=(-1.5, 2),
         ylim=(-0.15, 2.0),
@@ -304,7 +304,10 @@ def kappa() -> Axes:
         ax.plot(kappas, e, color=colour, linestyle=DASHES[i], label=label)
         ax.axhline(length, color=colour, linestyle=":", linewidth=0.8)
     ax.set(
-        xlabel="κ = k (v T)$^{1/2}$ ℓ₂/(E A)", xscale="log", ylim=(0, 1.05), ylabel="e"
+        xlabel="κ = k (v ℓ₂/c)$^{1/2}$ ℓ₂/(E A)",
+        xscale="log",
+        ylim=(0, 1.05),
+        ylabel="e",
     )
     ax.text(1.2e-2, 0.9, "soft, round ends:\nas rigid balls", va="top")
     ax.text(8e4, 0.3, "flat ends: e = ℓ₁/ℓ₂", ha="right")
@@ -353,7 +356,8 @@ def draw_errors_over_tolerance(ax: Axes, system: ri.System, exact: float) -> Non
         stated_errors.append(solution.accuracy["velocity"])
     ax.loglog(tolerances, true_errors, "o", color=BLUE, label="true error")
     ax.loglog(tolerances, stated_errors, color=ORANGE, label="stated error")
-    ax.set(xlabel="tolerance rtol", ylabel="error of e", title="pieces, Hertz contact")
+    ax.set(xlabel="tolerance rtol", ylabel="error of e")
+    ax.set_title("characteristics, Hertz contact")
 
 
 def grid_errors(system: ri.System, exact: float) -> list[float]:
@@ -386,7 +390,7 @@ def errors() -> Axes:
             linestyle=DASHES[i],
             label=label,
         )
-    by_cells.set(xlabel="cells along rod 2", title="grid")
+    by_cells.set(xlabel="cells along rod 2", title="finite-difference")
     by_cells.set_xticks(CELLS, CELLS)
     for ax in (by_tolerance, by_cells):
         ax.minorticks_off()
