@@ -362,8 +362,8 @@ def stack_drop(
     floor and meets the second ball, which is still falling. The second ball then meets
     the third one, and so on upwards. Each pair collides once: later collisions of the
     same two balls are left out. In contrast, `solve` treats contacts that close at the
-    same time as one collision. With small gaps between the balls, such as ``gaps=[1.0,
-    1e-6]`` above a wall, `solve` also computes one collision after another.
+    same time as one collision. With a small gap between two balls, such as
+    ``gaps=[1.0, 1e-6]`` above a wall, `solve` also computes one collision after another.
 
     Parameters
     ----------

@@ -143,9 +143,9 @@ def test_cells_beyond_the_cap_are_unresolved(uniform_atlas):
 def test_runs_that_do_not_end_count_as_cells(uniform_atlas, monkeypatch):
     runs = []
 
-    def counted_start(*arguments):
+    def counted_start(*arguments, **options):
         runs.append(arguments)
-        return start_simulation(*arguments)
+        return start_simulation(*arguments, **options)
 
     monkeypatch.setattr(exact_run, "start_simulation", counted_start)
 
