@@ -14,16 +14,16 @@ Range: TypeAlias = tuple[float, float]
 """Lower and upper bound."""
 
 MAX_GRID_SAMPLES = 1 << 16
-"""Largest number of samples of a record and its shifts in the search for shifts."""
+"""Largest number of steps of a record and of all its shifts in the search on a grid."""
 NEGLIGIBLE_POWER_RTOL = 1e-12
-"""Bounds the power of a shifted model, over that of the whole model.
+"""Sum of squares of a shifted model, over that of the whole model, that counts as 0.
 
-Less is round-off.
+Smaller sums are round-off.
 """
 REFINED_SHIFTS = 4
-"""Number of the best shifts by whole samples that are refined."""
+"""Number of best shifts on the grid that are refined."""
 AT_BOUND_RTOL = 1e-3
-"""Bounds the distance of a value from a bound, over the range between both bounds."""
+"""Distance from a bound, over the range of the bounds, that counts as at the bound."""
 
 
 class TimeSeries(NamedTuple):
@@ -33,7 +33,7 @@ class TimeSeries(NamedTuple):
     values: Floats
 
     def at(self, times: Floats) -> Any:
-        """Values at other times; beyond its ends the first and the last value hold."""
+        """Values at other times, s; beyond the ends, the first or the last value."""
         return np.interp(times, self.times, self.values)
 
 
@@ -91,12 +91,12 @@ def misfit_of(
     shift_range: Range | None,
     scale_range: Range | None,
 ) -> Misfit:
-    """Misfit with the best shift, s, and scale of the model within their bounds.
+    """Misfit of a model to a record with the best shift, s, and the best scale.
 
-    Equal bounds fix a number. A range of None has no bounds, but for the shift the
-    model and the record must overlap. `at_limit` names those of both numbers that may
-    vary and end at a bound, or with the overlap at its end. ValueError for a record
-    that is 0 everywhere.
+    Equal bounds fix a number. Without bounds (None) the scale is free, and the shift is
+    bounded by the condition that model and record overlap. `at_limit` names the number,
+    shift or scale, that is not fixed and lies at a bound. ValueError for a record that
+    is 0 everywhere.
     """
     comparison = _Comparison(record, model, plateau(record.values), scale_range)
     if shift_range is None:
@@ -104,8 +104,8 @@ def misfit_of(
         high = record.times[-1] - model.times[0]
     else:
         low, high = shift_range
-    shift = low
-    near_bound = 0.0  # a shift that is as near to a bound, s, is at the bound
+    shift = low  # a fixed shift, if both bounds are equal
+    near_bound = 0.0  # a shift this near to a bound, s, counts as being at the bound
     if high > low:
         step = _grid_step(record, model, high - low)
         shift = _best_shift(comparison, low, high, step)
@@ -124,9 +124,9 @@ def misfit_of(
 
 
 class _Scaled(NamedTuple):
-    """Misfit of a shifted model with its best scale; the smaller one comes first."""
+    """Misfit of a shifted model with its best scale; tuples compare by `rms` first."""
 
-    rms: float
+    rms: float  # divided by the plateau of the record
     scale: float
 
 
@@ -140,10 +140,10 @@ class _Comparison:
     scale_range: Range | None
 
     def with_shift(self, shift: float) -> _Scaled:
-        """Misfit of the model later by `shift`, s, and the best scale that is allowed.
+        """Misfit of the model delayed by `shift`, s, with the best scale.
 
-        The misfit is the rms of scale times model less record, over all samples of the
-        record, divided by the record's plateau.
+        The misfit is the rms of (scale model - record) over all samples of the record,
+        divided by the plateau of the record. The scale lies within `scale_range`.
         """
         values = self.record.values
         shifted = self.model.at(self.record.times - shift)
@@ -153,13 +153,13 @@ class _Comparison:
         return _Scaled(rms / self.plateau, scale)
 
     def best_scale(self, product: Any, power: Any) -> Any:
-        """Scale by least squares, product/power, moved into `scale_range`.
+        """Scale by least squares, product/power, clipped to `scale_range`.
 
-        `product` is the sum of model times record over the samples, and `power` that of
-        model^2, as numbers or arrays. The scale of a model of zeros is 1, before it is
-        moved.
+        `product` is the sum of model times record over the samples, and `power` the sum
+        of model^2; both are numbers, or arrays over shifts. If the power is 0, the
+        scale is 1 before clipping.
         """
-        divisor = np.where(power > 0, power, 1.0)
+        divisor = np.where(power > 0, power, 1.0)  # avoids a division by 0
         best = np.where(power > 0, product / divisor, 1.0)
         if self.scale_range is None:
             return best
@@ -167,9 +167,10 @@ class _Comparison:
 
 
 def _grid_step(record: TimeSeries, model: TimeSeries, span: float) -> float:
-    """The shorter time step of record and model, s.
+    """Time step of the grid on which record and model are compared, s.
 
-    It is longer if a span of shifts has too many of them.
+    It is the shortest step of both. It is longer if the record and the range of shifts,
+    `span`, s, would have more than `MAX_GRID_SAMPLES` such steps.
     """
     shortest = min(np.diff(record.times).min(), np.diff(model.times).min())
     length = record.times[-1] - record.times[0]
@@ -177,10 +178,10 @@ def _grid_step(record: TimeSeries, model: TimeSeries, span: float) -> float:
 
 
 def _best_shift(comparison: _Comparison, low: float, high: float, step: float) -> float:
-    """The shift from `low` to `high` with the smallest misfit, s.
+    """The shift from `low` to `high`, s, with the smallest misfit.
 
-    The best shifts on a grid of `step`, s, are refined within a step to either side;
-    the result is the best of them, refined or not.
+    The best shifts on a grid of `step`, s, are refined within one step to either side.
+    The result is the best of all these shifts, refined or not.
     """
     from scipy.optimize import minimize_scalar
 
@@ -196,18 +197,18 @@ def _best_shift(comparison: _Comparison, low: float, high: float, step: float) -
             bounds=(max(shift - step, low), min(shift + step, high)),
         )
         refined.append(float(solution.x))
-    # `with_shift` gives pairs, of misfit and scale: the smaller misfit comes first.
+    # `min` compares the tuples (misfit, scale) of `with_shift`: the misfit decides.
     return min([*refined, *on_grid], key=comparison.with_shift)
 
 
 def _best_shifts_on_grid(
     comparison: _Comparison, low: float, high: float, step: float
 ) -> list[float]:
-    """Shifts, s, of the best local minima of the misfit, among ``high - j step``.
+    """Shifts, s, at the best local minima of the misfit, among ``high - j step``.
 
-    The best comes first, and there are `REFINED_SHIFTS` at most. With the model m, the
-    record y and the scale c the squared misfit is ``c^2 sum(m^2) - 2 c sum(m y) +
-    sum(y^2)``. The products with all shifts of the model at once are a correlation, by
+    The best shift comes first, and there are at most `REFINED_SHIFTS`. With the model
+    m, the record y and the scale c the squared misfit is ``c^2 sum(m^2) - 2 c sum(m y)
+    + sum(y^2)``. The sums of m y for all shifts are a correlation, which is computed by
     Fourier transforms.
     """
     times = comparison.record.times
@@ -222,13 +223,14 @@ def _best_shifts_on_grid(
     size = 1 << (len(m) - 1).bit_length()  # a power of two, no less than len(m)
     spectrum = np.fft.rfft(m, size) * np.conj(np.fft.rfft(y, size))
     product = np.fft.irfft(spectrum, size)[:n_shifts]  # sum(m y) for each j
-    sums = np.concatenate(([0.0], np.cumsum(m * m)))  # sums[i] is that of m[:i]
-    power = sums[n : n + n_shifts] - sums[:n_shifts]
+    sums = np.concatenate(([0.0], np.cumsum(m * m)))  # sums[i] is the sum over m[:i]
+    power = sums[n : n + n_shifts] - sums[:n_shifts]  # sums[j + n] - sums[j]
     power[power <= NEGLIGIBLE_POWER_RTOL * sums[-1]] = 0.0  # less is round-off
     c = comparison.best_scale(product, power)
     # The term sum(y^2) is left out, since it is the same for all shifts.
     misfit = c * c * power - 2 * c * product
-    # A local minimum is no larger than both neighbours; beyond the ends there is inf.
+    # A local minimum is not larger than either neighbour; the neighbours beyond the
+    # ends are inf.
     padded = np.concatenate(([np.inf], misfit, [np.inf]))
     is_minimum = (misfit <= padded[:-2]) & (misfit <= padded[2:])
     minima = np.flatnonzero(is_minimum)
@@ -242,9 +244,9 @@ def _best_shifts_on_grid(
 
 
 def _is_at_bound(value: float, low: float, high: float, near: float) -> bool:
-    """Whether a value lies at one of its bounds, or as near to it as `near`.
+    """Whether a value is at one of its bounds: no further from it than `near`.
 
-    A fixed value, between equal bounds, does not.
+    The result is false for a fixed value, whose bounds are equal.
     """
     is_inside = low + near < value < high - near
     return low < high and not is_inside

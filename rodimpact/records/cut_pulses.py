@@ -1,8 +1,8 @@
 """Incident, reflected and transmitted pulse, each cut out of its record.
 
-The pulses of the input gauge are set into one record, at the times at which the gauge
-saw them. Between them, where nothing was given, the strain is zero. From there on they
-are reduced as a record of one gauge is.
+Incident and reflected pulse are joined to one record of the input gauge, each at the
+time at which it passed the gauge. Between them the strain is zero. The result is
+reduced as a shot with one gauge a bar.
 """
 
 import math
@@ -20,16 +20,16 @@ from .pulses import first_part, onset_of, rest_end
 from .signal import Signal
 
 CLOCKS = ("common", "own")
-"""The times of all pulses count from one instant, or those of each from its own."""
+"""Whether all pulses have the same zero of time, or each pulse its own."""
 MIN_LEVEL_SAMPLES = 4
 """Least number of samples at rest for the level of a cut pulse.
 
 With fewer samples the level is 0.
 """
 ADDED_REST_SAMPLES = 64
-"""Samples at rest that are put before the incident and the transmitted pulse."""
+"""Number of samples at rest added before the incident and the transmitted pulse."""
 MAX_END_RATIO = 0.2
-"""Largest last strain of an incident pulse that is over, over its largest strain."""
+"""Largest ratio of the last to the largest strain of an incident pulse that is over."""
 
 
 class CutPulses(FrozenDataclass):
@@ -39,8 +39,8 @@ class CutPulses(FrozenDataclass):
     ----------
     incident, reflected, transmitted : BarGauge
         Each pulse with the distance of its gauge from the specimen. Incident and
-        reflected pulse are of one gauge. If a pulse begins with 4 samples at rest or
-        more, their mean is its zero.
+        reflected pulse are recorded by the same gauge. If a pulse begins with 4 samples
+        at rest or more, their mean is subtracted from it.
     clock : str
         ``"common"``: the times are those of the records, and distances and wave speeds
         align the pulses. ``"own"``: each pulse has a time of its own; they are aligned
@@ -74,7 +74,8 @@ class CutPulses(FrozenDataclass):
     def _check(self, problems: Problems) -> None:
         """Add a problem if incident and reflected pulse have different distances.
 
-        InvalidModel at once for a pulse that is no gauge, or an unknown clock.
+        InvalidModel is raised at once for a pulse that is not a BarGauge, and for an
+        unknown clock.
         """
         for name in ("incident", "reflected", "transmitted"):
             check_kind(name, getattr(self, name), BarGauge, GAUGE_EXAMPLE)
@@ -85,15 +86,15 @@ class CutPulses(FrozenDataclass):
 
 
 class _Pulse(NamedTuple):
-    """A pulse from its level at rest, and its first sample above the rest."""
+    """A cut pulse without its level at rest."""
 
-    signal: Signal
-    rest_strain: Floats  # samples before the pulse, without their level
-    onset: float  # s
+    signal: Signal  # strain minus the level at rest
+    rest_strain: Floats  # [sample at rest], minus the level; empty without a level
+    onset: float  # time at which the pulse rises out of the noise, s
 
     @property
     def level_error(self) -> float:
-        """Standard error of the level of n samples at rest, std/sqrt(n); 0 without."""
+        """Standard error std/sqrt(n) of the level of n samples at rest; 0 for n = 0."""
         count = len(self.rest_strain)
         if not count:
             return 0.0
@@ -111,10 +112,10 @@ class GaugePair(NamedTuple):
 def gauges_of(pulses: CutPulses, rods: Rods) -> GaugePair:
     """One gauge for each bar, with the bar's pulses in one record.
 
-    Each record begins with added rest. Pulses with clocks of their own are moved to
-    when they must come after the incident one. The result has an error of v1 - v2 by
-    the levels at rest, too. InvalidModel if the incident pulse is cut off, or the
-    reflected one begins before it.
+    Each record begins with added samples at rest. If each pulse has its own zero of
+    time, reflected and transmitted pulse are shifted to the times that follow from the
+    incident pulse, distances and bar speeds. InvalidModel if a pulse cannot be timed,
+    if the incident pulse is cut off, or if the reflected pulse begins before it.
     """
     incident = _pulse_from_rest("incident", pulses.incident)
     reflected = _pulse_from_rest("reflected", pulses.reflected)
@@ -123,12 +124,12 @@ def gauges_of(pulses: CutPulses, rods: Rods) -> GaugePair:
     input_speed = _speed_of(rods.input)
     output_speed = _speed_of(rods.output)
     input_travel = pulses.incident.distance / input_speed  # to the specimen, s
-    output_travel = pulses.transmitted.distance / output_speed
+    output_travel = pulses.transmitted.distance / output_speed  # from the specimen, s
     reflected_signal = reflected.signal
     transmitted_signal = transmitted.signal
     if pulses.clock == "own":
-        # Both pulses leave the specimen when the incident pulse has come there, and run
-        # to their gauges.
+        # Reflected and transmitted pulse leave the specimen when the incident pulse
+        # arrives there, and then run to their gauges.
         reflected_delay = incident.onset + 2 * input_travel - reflected.onset
         reflected_signal = reflected_signal.shifted(reflected_delay)
         transmitted_delay = (
@@ -142,8 +143,8 @@ def gauges_of(pulses: CutPulses, rods: Rods) -> GaugePair:
             'give clock="own" if each pulse has a time of its own',
         )
     input_record = _joined(incident.signal, reflected_signal)
-    # With the pulses i, r and t, v1 - v2 is c1 (i - r) - c2 t. Each pulse has a level
-    # of its own, so the three errors are independent.
+    # With the strains i, r and t of the pulses, v1 - v2 is c1 (i - r) - c2 t. Each
+    # pulse has its own level, so the three errors are independent: squares add up.
     velocity_error = math.hypot(
         input_speed * incident.level_error,
         input_speed * reflected.level_error,
@@ -159,20 +160,21 @@ def gauges_of(pulses: CutPulses, rods: Rods) -> GaugePair:
 
 
 def _speed_of(rod: Rod) -> float:
-    """Bar speed, m/s."""
+    """Bar speed of a uniform rod, m/s."""
     return float(rod.segments[0].wave_speed)
 
 
 def _pulse_from_rest(name: str, gauge: BarGauge) -> _Pulse:
-    """The strain of a pulse, less its level at rest, and its onset.
+    """The strain of a pulse minus its level at rest, and its onset.
 
-    With fewer than `MIN_LEVEL_SAMPLES` samples at rest the level is 0, and the result
-    has no samples at rest. InvalidModel, which names the argument `name`, if the pulse
-    cannot be timed.
+    With fewer than `MIN_LEVEL_SAMPLES` samples at rest the level is taken as 0, and the
+    result has no samples at rest. InvalidModel, which names the argument `name`, if the
+    pulse cannot be timed.
     """
     strain = gauge.strain
     try:
-        # One sample of 0 after the last, at `end`, ends a pulse that was cut off there.
+        # A sample of 0 is added at the end, so that a pulse that was cut before it fell
+        # below half of its plateau can be timed.
         times = np.append(strain.times, strain.end + strain.dt)
         values = np.append(strain.values, 0.0)
         pulse = first_part(times, values)
@@ -192,9 +194,10 @@ def _pulse_from_rest(name: str, gauge: BarGauge) -> _Pulse:
 
 
 def _check_end(incident: _Pulse) -> None:
-    """InvalidModel if the incident pulse is cut off before it is over.
+    """Raise InvalidModel if the incident pulse is cut off before it is over.
 
-    Its last sample must not exceed `MAX_END_RATIO` of its largest.
+    The last sample must not exceed `MAX_END_RATIO` times the largest, in absolute
+    value.
     """
     values = np.abs(incident.signal.values)
     ratio = float(values[-1] / values.max())
@@ -207,10 +210,10 @@ def _check_end(incident: _Pulse) -> None:
 
 
 def _joined(first: Signal, second: Signal) -> Signal:
-    """Both pulses in one record at the steps of the first one, zero between them.
+    """Both pulses in one record, with zeros between them.
 
-    It lasts from the begin of the first to the end of the second one. Where they
-    overlap the strains are added.
+    The record has the time step of the first pulse, and lasts from the begin of the
+    first to the end of the second pulse. Strains that overlap are added.
     """
     dt = first.dt
     count = round((second.end - first.start) / dt)
@@ -223,7 +226,7 @@ def _joined(first: Signal, second: Signal) -> Signal:
 def _with_rest(signal: Signal, rest_strain: Floats) -> Signal:
     """The record with `ADDED_REST_SAMPLES` more samples before it, at its steps.
 
-    They are the samples at rest, `rest_strain`, again and again, or zeros without any.
+    The added samples repeat `rest_strain`; they are 0 if it is empty.
     """
     dt = signal.dt
     times = signal.start - dt * np.arange(ADDED_REST_SAMPLES, 0, -1)

@@ -27,9 +27,9 @@ TABLE_COLUMNS = {
     "one_sample": "one sample",
     "equilibrium": "(F1 - F2)/mean",
 }
-"""Columns of the printed table, with their heads."""
+"""Head of each column of the printed table, by the attribute of `Reduction`."""
 MIN_TOTAL_FORCE_RATIO = 1e-2
-"""Least ratio of abs(F1 + F2) to its largest value for which the balance is given."""
+"""Least ratio of abs(F1 + F2) to its largest value for which `equilibrium` is given."""
 
 
 @explain_missing()
@@ -49,14 +49,14 @@ class Reduction(Curve):
         Nominal, from the force of the output bar, the force of the input bar, and the
         mean of both, Pa.
     input_force, output_force : array, shape (n,)
-        On the two faces, N.
+        Forces on the two faces, N.
     input_velocity, output_velocity : array, shape (n,)
-        Of the two faces, m/s.
+        Velocities of the two faces, m/s.
     stress_band, strain_band : array, shape (n,)
-        Half widths of the 95 % bands: noise, errors of a calibration, and the
-        frequencies that the bars cannot carry. If equal forces are assumed, the band of
-        the strain also has a delay of one sample, between the two records or in the
-        start of a direct impact.
+        Half widths of the 95 % bands, Pa and 1, due to noise, errors of a calibration,
+        and the frequencies that the bars cannot carry. If equal forces are assumed, the
+        band of the strain also includes an error of time: one sample between the two
+        records, or the error of the start of a direct impact.
     one_sample : array, shape (n,)
         Largest change of `stress` at the same strain if the transmitted wave is shifted
         by one sample, Pa.
@@ -71,11 +71,11 @@ class Reduction(Curve):
     disperses : bool
         Whether the waves were propagated with the exact first mode.
     doubts : tuple of str
-        Where the records contradict what was given: gauges of one bar that disagree,
-        waves that arrive too early or too late, an echo that contradicts the wave
-        speed, shifts at the limit of `align_within` or an alignment that makes the
-        balance worse, forces out of balance. One sentence each, with its number and a
-        remedy; empty for a shot without contradictions.
+        Contradictions between the records and the arguments: an oversized specimen,
+        gauges of one bar that disagree, waves that arrive too early or too late, an
+        echo that contradicts the wave speed, shifts at the limit of `align_within`, an
+        alignment that makes the balance worse, forces out of balance. Each sentence has
+        a number and a remedy; empty for a shot without contradictions.
 
     Examples
     --------
@@ -125,7 +125,7 @@ class Reduction(Curve):
     def equilibrium(self) -> Floats:
         """Difference of the forces over their mean, 2 (F1 - F2)/(F1 + F2), shape (n,).
 
-        It is nan where the sum is below `MIN_TOTAL_FORCE_RATIO` of its largest value.
+        It is nan if abs(F1 + F2) is below `MIN_TOTAL_FORCE_RATIO` of its largest value.
         """
         total = self.input_force + self.output_force
         is_small = np.abs(total) < MIN_TOTAL_FORCE_RATIO * np.abs(total).max()
@@ -162,8 +162,8 @@ class Reduction(Curve):
     def signals(self) -> dict[str, Signal]:
         """All columns as signals over `times`, by name, in SI units.
 
-        An incompressible specimen has ``true_strain`` and ``true_stress`` among them.
-        `equilibrium`, which has nan, is left out.
+        For an incompressible specimen they include ``true_strain`` and ``true_stress``.
+        `equilibrium` is left out, because it may contain nan.
         """
         units = {
             "strain": "",
@@ -190,7 +190,10 @@ class Reduction(Curve):
         return signals
 
     def to_csv(self, path: str, *, force: bool = False) -> None:
-        """Write all columns over time; FileExistsError as `write_signals`."""
+        """Write all columns over time as a CSV file.
+
+        FileExistsError if the file exists and `force` is false.
+        """
         write_signals(path, self.signals, force=force)
 
     def to_xarray(self) -> Any:
@@ -198,9 +201,9 @@ class Reduction(Curve):
         return signals_to_xarray(self.signals)
 
     def __str__(self) -> str:
-        """The verdict, the doubts, the alignment if there is one, a table, the method.
+        """Lines of the verdict, doubts, alignment if any, a table, and the method.
 
-        The table is one of stress over strain; the other parts are lines of text.
+        The table shows stress, its errors and the equilibrium over strain.
         """
         lines = list(self.verdict.sentences)
         lines += [f"doubtful: {doubt}" for doubt in self.doubts]
@@ -210,10 +213,10 @@ class Reduction(Curve):
         return "\n".join(lines)
 
     def _rows(self) -> list[list[str]]:
-        """Heads and rows of the table, of texts with units, while loading.
+        """Row of heads and rows of numbers with units, as texts, of the printed table.
 
-        Its strains are round ones, that at the peak stress, and the largest. "-" stands
-        for an equilibrium of nan.
+        The rows belong to round strains, the strain at the peak stress, and the largest
+        strain, all while loading. "-" stands for an equilibrium of nan.
         """
         at_peak = self.verdict.strain_at_peak
         strains = table_strains(at_peak, float(self.strain[self.loading][-1]))
@@ -238,9 +241,9 @@ class Reduction(Curve):
         return rows
 
     def _method(self) -> str:
-        """Line on the wave that gives the stress, and on how waves were propagated.
+        """Line on the source of the stress, and on the propagation of the waves.
 
-        It also tells for how long they are separated, in us.
+        It also gives the time, in us, for which the waves are separated.
         """
         propagation = "without dispersion"
         if self.disperses:

@@ -1,16 +1,20 @@
 """The two waves of a bar at its specimen face, from the strains at its gauges.
 
 One gauge separates the two waves only if they pass it one after the other. Two gauges
-at the distance D = zf - zn separate them from rest on. In the first mode a wave that
-runs on by x is multiplied by T(x). With the wave i towards the face and the wave a away
-from it, the records are::
+at the distances zn (near) and zf (far) from the face separate them at all times after
+rest. T(x) is the operator that propagates a wave by the distance x in the first mode.
+With the wave i towards the face and the wave a away from it, both at the face, the
+records en and ef are::
 
     en = T(-zn) i + T(zn) a          ef = T(-zf) i + T(zf) a
 
+With D = zf - zn, the waves follow from these records and from their own values of the
+time 2 D/c earlier::
+
     a = T(-zn) (en - T(D) ef) + T(2 D) a          i = T(zf) (ef - T(D) en) + T(2 D) i
 
-Each passage of 2 D uses what the one before gave. An offset of a record adds once every
-2 D/c; the frequencies n c/(2 D) add the noise of all passages.
+An offset of a record is added again after each time 2 D/c. At the frequencies n c/(2 D)
+the noise of all passages adds up.
 """
 
 import math
@@ -34,9 +38,9 @@ def waves_at_face(bar: InstrumentedBar) -> Waves:
     """Waves at the face, towards the specimen and away from it.
 
     They are compressive strains at the times of the bar, [sample]. Two gauges separate
-    them. With one gauge it is assumed that no wave comes back towards the specimen in
-    the output bar, and that the record of the input bar is the incident wave up to the
-    begin of the reflected one.
+    them. One gauge needs an assumption. In the output bar: no wave runs towards the
+    specimen. In the input bar: the record is the incident wave alone until the
+    reflected wave reaches the gauge.
     """
     if len(bar.distances) == 2:
         return _from_two_gauges(bar)
@@ -45,26 +49,28 @@ def waves_at_face(bar: InstrumentedBar) -> Waves:
     away = bar.propagated(strain, -distance)
     if bar.is_output:
         return Waves(np.zeros(len(strain)), away)
-    # The time and the sample at which the reflected wave reaches the gauge
+    # Time at which the reflected wave reaches the gauge, s, and the index of its sample
     reflected_start = bar.pulse_start + 2 * distance / bar.speed
     first_reflected = int((reflected_start - bar.times[0]) / bar.dt)
     is_incident = np.arange(len(strain)) < first_reflected
     incident = np.where(is_incident, strain, 0.0)
-    # `away` is of the whole record. The incident wave in it, propagated back, ends
-    # before the reflected wave begins, so it does not disturb the samples in use.
+    # `away` is made from the whole record, with the incident wave in it. At the face
+    # this part of `away` ends before the reflected wave begins, so the samples in use
+    # are not disturbed.
     return Waves(bar.propagated(incident, distance), away)
 
 
 def _from_two_gauges(bar: InstrumentedBar) -> Waves:
-    """The two waves at the face from the records of two gauges, passage by passage.
+    """The two waves at the face from the records of two gauges.
 
-    The near gauge has the strain en and the distance zn, the far one ef and zf; D is
-    zf - zn. T(x) e is e after the distance x. The sum over all passages of 2 D of
-    en - T(D) ef is T(zn) times the wave away, and that of ef - T(D) en is T(-zf) times
-    the wave towards the face.
+    The near gauge, at the distance zn from the face, has the strain en, the far gauge
+    at zf the strain ef, and D = zf - zn. T(x) propagates a wave by x. The wave a away
+    from the face and the wave i towards it follow from two sums over all passages of
+    the distance 2 D (`sum_of_passages`): T(zn) a is that of en - T(D) ef, and T(-zf) i
+    is that of ef - T(D) en.
     """
     near = int(bar.distances.argmin())
-    far = 1 - near
+    far = 1 - near  # the other one of the indices 0 and 1
     near_distance = float(bar.distances[near])
     far_distance = float(bar.distances[far])
     apart = far_distance - near_distance  # D
@@ -81,9 +87,10 @@ def _from_two_gauges(bar: InstrumentedBar) -> Waves:
 
 
 def from_pulse(bar: InstrumentedBar, gauge: int) -> Floats:
-    """The record of a gauge from its first pulse on, zero before it.
+    """The strain at a gauge, [sample], with zeros before its first pulse.
 
-    The pulse begins a rise time before its start.
+    The pulse begins a rise time before `Pulse.start`. `gauge` is the index of the
+    gauge.
     """
     pulse = bar.first_pulses[gauge]
     is_moving = bar.times >= pulse.start - pulse.rise
@@ -92,17 +99,17 @@ def from_pulse(bar: InstrumentedBar, gauge: int) -> Floats:
 
 
 def sum_of_passages(guide: Waveguide, wave: Floats, distance: float) -> Floats:
-    """Sum of a wave and of all its passages of a distance, m, while the record lasts.
+    """Sum w + T(d) w + T(2 d) w + ... of a wave w, [sample], with d = `distance`, m.
 
-    With T(x) w, the wave w after the distance x, it is w + T(distance) w +
-    T(2 distance) w + ... Sums S of 1, 2, 4, ... terms follow from each other:
-    S(2 n) = S(n) + T(n distance) S(n).
+    T(x) w is the wave after the distance x. The terms that arrive after the end of the
+    record are left out, as they are 0. Sums S(n) of n = 1, 2, 4, ... terms are computed
+    one from the other: S(2 n) = S(n) + T(n d) S(n).
     """
     duration = guide.dt * len(wave)
-    passages = math.floor(duration * guide.speed / distance)
+    passages = math.floor(duration * guide.speed / distance)  # index of the last term
     total = wave
-    summed = 1  # terms of the total
-    while summed <= passages:  # terms beyond all passages are 0
+    summed = 1  # number of terms in `total`; their indices begin with 0
+    while summed <= passages:
         total = total + guide.propagated(total, summed * distance)
         summed *= 2
     return total
@@ -111,9 +118,10 @@ def sum_of_passages(guide: Waveguide, wave: Floats, distance: float) -> Floats:
 def separated_until(bar: InstrumentedBar) -> float:
     """Time at the face up to which the records separate the two waves, s.
 
-    A wave that leaves the face later reaches the gauge after the end of the record or,
-    with one gauge, when the wave from the other end of the bar is there. ValueError if
-    the incident and the reflected wave overlap at a single gauge.
+    With two gauges it is the last time at which a wave may leave the face and still be
+    in the records. With one gauge, this wave must also reach the gauge before the wave
+    returned by the other end of the bar. ValueError if the incident and the reflected
+    wave overlap at the only gauge of the input bar.
     """
     record_end = float(bar.known_until.min())
     if len(bar.distances) == 2:
@@ -121,10 +129,11 @@ def separated_until(bar: InstrumentedBar) -> float:
     travel = float(bar.distances[0]) / bar.speed  # from the gauge to the face
     round_trip = 2 * float(bar.rod.length) / bar.speed
     if bar.is_output:
-        # The pulse is at the face before it is at the gauge.
+        # In the output bar the pulse is at the face before it is at the gauge.
         at_face = bar.pulse_start - travel
     else:
         pulse = bar.first_pulse
+        # End of the pulse: it falls for half a rise time after half height.
         passed = pulse.start + pulse.width + pulse.rise / 2
         if passed > bar.pulse_start + 2 * travel:
             raise ValueError(
@@ -132,7 +141,8 @@ def separated_until(bar: InstrumentedBar) -> float:
                 "passed; give a second gauge on this bar, or use a shorter striker"
             )
         at_face = bar.pulse_start + travel
-    # A wave that leaves the face then meets at the gauge the wave that the other end
-    # has returned.
+    # The returned wave runs from the face to the other end and back to the gauge, a
+    # path of 2 length - distance. A wave that leaves the face at this time, and runs
+    # the distance to the gauge, arrives there together with it.
     meets_returned = at_face + round_trip - 2 * travel
     return min(record_end, meets_returned)

@@ -13,11 +13,11 @@ from ..model.quantities import Floats
 from . import filters
 
 SLOW_WAVE_RATIO = 3
-"""Travel time of the slowest waves in a transform, over that of long waves."""
+"""Assumed travel time of the slowest waves, divided by that of long waves."""
 
 
 class Waveguide(NamedTuple):
-    """A uniform rod, and the time step of the waves in it."""
+    """A uniform rod, and the time step of the records of waves in it."""
 
     rod: Rod
     dt: float  # s
@@ -57,30 +57,32 @@ class Waveguide(NamedTuple):
         return self.mode.cut_off
 
     def transfer_function(self, count: int, distance: float) -> TransferFunction:
-        """Effect of a distance, m, on the spectrum of `count` samples.
+        """Factors of a distance, m, for the spectrum of `count` samples.
 
         In a round bar with a Poisson ratio each frequency runs at its own phase
         velocity, and frequencies above the cut-off of the first mode are removed. The
-        transform is longer than the samples, so that waves do not come round in its
-        period.
+        transform is periodic: it is longer than the samples, so that no delayed wave
+        appears again at their beginning.
         """
         from scipy import fft
 
-        travel = abs(distance) / self.speed / self.dt  # of long waves, samples
+        travel = abs(distance) / self.speed / self.dt  # of long waves, in samples
         slowest_travel = math.ceil(SLOW_WAVE_RATIO * travel)
         size = fft.next_fast_len(2 * count + slowest_travel, real=True)
         f = fft.rfftfreq(size, self.dt)
         factors = np.exp(-2j * np.pi * f * distance / self.speed)  # delay by distance/c
         mode = self.mode
-        if mode is not None:  # the delays of its gain are those beyond distance/c
+        if mode is not None:
+            # The delays of `first_mode` are additional to distance/c.
             factors *= filters.first_mode(f, distance, mode)
         return TransferFunction(size, factors)
 
     def propagated(self, strain: Floats, distance: float) -> Floats:
-        """The strain after a distance, m, along the bar, at the same times.
+        """Strain of a wave after a distance, m, along the bar, at the same times.
 
-        The bar is at rest before. A negative distance gives the strain as it was
-        before. What would come after the last time, or before the first, is lost.
+        The wave is delayed by its travel time; a negative distance makes it earlier.
+        The bar is assumed to be at rest before the first time. The part of the wave
+        that would come after the last time, or before the first, is lost.
         """
         from scipy import fft
 
@@ -91,7 +93,7 @@ class Waveguide(NamedTuple):
 
 
 class TransferFunction(NamedTuple):
-    """Complex factors of a spectrum."""
+    """Complex factors by which a distance along a bar multiplies a spectrum."""
 
-    size: int  # samples of the transform
+    size: int  # number of samples of the transform
     factors: Any  # [frequency]
