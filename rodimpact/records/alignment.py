@@ -1,4 +1,4 @@
-"""What the alignment of the waves of a shot did to the balance of its forces."""
+"""Effect of the alignment of the waves of a shot on the balance of its forces."""
 
 from typing import NamedTuple
 
@@ -12,15 +12,16 @@ from .two_bar_shot import Shifts
 
 @explain_missing()
 class Alignment(NamedTuple):
-    """Search for the shifts that balance the forces while the start is elastic.
+    """Imbalance of the forces without and with the alignment of the waves.
 
-    The imbalance over all loading is the mean of abs(F1 - F2) over the mean of
-    (F1 + F2)/2.
+    The alignment shifts waves so that the forces balance in the elastic start of the
+    loading. The imbalance over all loading is the mean of abs(F1 - F2) divided by the
+    mean of (F1 + F2)/2.
 
     Attributes
     ----------
     limit : float
-        Largest shift of the search, s.
+        Largest shift that was allowed, s.
     imbalance_before, imbalance_after : float
         Imbalance over all loading without the shifts, and with them.
 
@@ -45,10 +46,10 @@ class Alignment(NamedTuple):
 
 
 def alignment_sentence(alignment: Alignment, shifts: Shifts) -> str:
-    """Phrase on an alignment: its limit, both shifts, and the balance of the forces.
+    """Phrase on an alignment: its limit, both shifts, and the imbalance of the forces.
 
-    The balance is the imbalance over all loading, in percent of the mean force, with
-    the shifts and without them.
+    The imbalance is that over all loading, in percent of the mean force, with the
+    shifts and without them.
     """
     return (
         "aligned by the start of loading alone, up to half of the peak stress, within "
@@ -69,7 +70,10 @@ def _how_much_earlier(shift: float) -> str:
 
 
 def loading_imbalance(curve: Curve) -> float:
-    """Mean of abs(F1 - F2) over the mean of (F1 + F2)/2, up to the largest strain."""
+    """Mean of abs(F1 - F2) divided by the mean of (F1 + F2)/2, while loading.
+
+    Loading is the time up to the largest strain.
+    """
     input_force = curve.input_force[curve.loading]
     output_force = curve.output_force[curve.loading]
     difference = np.abs(input_force - output_force).mean()

@@ -11,7 +11,7 @@ GAUGE_EXAMPLE = "ri.BarGauge(bridge.strain(volts), distance=0.5)"
 
 
 class BarGauge(FrozenDataclass):
-    """A strain gauge on a bar, what it recorded, and how far it is from the specimen.
+    """A strain gauge on a bar: its record, and its distance from the specimen.
 
     Parameters
     ----------
@@ -19,12 +19,12 @@ class BarGauge(FrozenDataclass):
         Record of strain, or of volts if a `gain` is given. The time steps are equal,
         and the bar is at rest before the pulse.
     distance : float
-        From the gauge to the face of the bar at the specimen, m.
+        Distance of the gauge from the face of the bar at the specimen, m.
     opposite : Signal, optional
-        Record of the gauge on the opposite side of the bar, at the same times. Bending
-        drops out of the mean of both records.
+        Record of the gauge on the opposite side of the bar, at the same times. The
+        bending strains cancel in the mean of both records.
     gain : float
-        Strain for each unit of the signal.
+        Factor from the signal to strain.
 
     Raises
     ------
@@ -43,10 +43,10 @@ class BarGauge(FrozenDataclass):
     gain: float = quantity("", default=1.0, scalar=True)
 
     def _check(self, problems: Problems) -> None:
-        """Add a problem if the record has a unit and the gain is 1.
+        """Add a problem if the record has a unit, but the gain is 1.
 
-        InvalidModel at once for a record that is no Signal and, without any problem,
-        for two records of different times or units.
+        InvalidModel is raised at once for a record that is not a Signal. If there is no
+        problem, ValueError is raised for two records of different times or units.
         """
         check_kind("signal", self.signal, Signal, SIGNAL_EXAMPLE)
         if self.opposite is not None:
@@ -57,14 +57,14 @@ class BarGauge(FrozenDataclass):
                 ("signal", f"{message}; give bridge.strain(volts), or a gain")
             )
         if not problems:
-            # The property adds both records, and so refuses other times or units.
+            # `strain` adds both records, which must have the same times and units.
             _ = self.strain
 
     @property
     def strain(self) -> Signal:
-        """The gain times the signal, or times the mean of both signals of a pair.
+        """Strain of the gauge, or mean strain of both gauges of a pair; dimensionless.
 
-        It has the sign of the signal, and no unit.
+        It is the gain times the signal, with the sign of the signal.
         """
         signal = self.signal
         if self.opposite is not None:
@@ -73,7 +73,7 @@ class BarGauge(FrozenDataclass):
 
     @property
     def bending(self) -> Signal | None:
-        """Bending strain: half the difference of both sides.
+        """Bending strain: half the difference of the strains of both sides.
 
         None if only one side has a gauge.
         """

@@ -8,7 +8,7 @@ from ..units import shown
 from .signal import Signal
 
 GAUGES_ALONG = {"quarter": 1, "half": 2, "full": 2}
-"""Number of gauges along the bar, for each bridge."""
+"""Number of gauges along the bar; for a half bridge, that without gauges across."""
 VOLTS_EXAMPLE = "read_signals('shot.csv', rate=1e7, units='V')['CH1']"
 
 
@@ -19,7 +19,7 @@ class Bridge(FrozenDataclass):
     ----------
     kind : str
         ``"quarter"``: one gauge along the bar. ``"half"``: two gauges along the bar, on
-        opposite sides and in opposite arms, so that bending drops out; with a
+        opposite sides and in opposite arms, so that the bending strains cancel; with a
         `poisson_ratio`, one gauge along and one across. ``"full"``: two gauges along
         and two across.
     gauge_factor : float
@@ -60,12 +60,12 @@ class Bridge(FrozenDataclass):
     poisson_ratio: float | None = quantity("", "[0, 0.5]", default=None, scalar=True)
 
     def _check(self, problems: Problems) -> None:
-        """Add problems of a gain of 0, and of a Poisson ratio missing or useless.
+        """Add a problem for a gain of 0, and for a missing or useless Poisson ratio.
 
-        A full bridge needs the ratio, and a quarter bridge has no use for it. An
-        unknown kind is an error at once.
+        A full bridge needs the ratio, and a quarter bridge does not use it.
+        InvalidModel is raised at once for an unknown kind.
         """
-        # A gain that is no number is among the problems already.
+        # A gain that is not a number is among the problems already.
         if isinstance(self.gain, float) and self.gain == 0:
             problems.append(("gain", "must not be 0"))
         check_choice("kind", self.kind, GAUGES_ALONG)
@@ -82,11 +82,11 @@ class Bridge(FrozenDataclass):
     def strain_per_volt(self) -> float:
         """Strain along the bar per volt at the output of the amplifier, 1/V.
 
-        4/(n gauge_factor excitation gain), with n the sum of the strains of all arms
-        over the strain along the bar.
+        It is 4/(n gauge_factor excitation gain), where n is the sum of the strains of
+        all arms divided by the strain along the bar.
         """
         nu = self.poisson_ratio
-        n = float(GAUGES_ALONG[self.kind])  # if no gauge lies across the bar
+        n = float(GAUGES_ALONG[self.kind])  # without gauges across the bar
         if nu is not None and self.kind == "half":
             n = 1 + nu  # one gauge along the bar and one across
         elif nu is not None:

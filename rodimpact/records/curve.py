@@ -14,18 +14,19 @@ from .specimen import Specimen
 
 @dataclass(frozen=True, eq=False)
 class Curve:
-    """Stress, strain, forces and velocities over time, and what follows from them.
+    """Stress, strain, forces and velocities of a specimen over time.
 
-    Its columns, of shape (n,), are linear in the gauge strains.
+    The columns, of shape (n,), are linear in the gauge strains, except the energy.
+    Compression is positive.
     """
 
-    times: Floats
+    times: Floats  # s
     strain: Floats
-    strain_rate: Floats
-    input_force: Floats
-    output_force: Floats
-    input_velocity: Floats
-    output_velocity: Floats
+    strain_rate: Floats  # 1/s
+    input_force: Floats  # N
+    output_force: Floats  # N
+    input_velocity: Floats  # m/s
+    output_velocity: Floats  # m/s
     specimen: Specimen
 
     @property
@@ -37,7 +38,7 @@ class Curve:
     def energy(self) -> Floats:
         """Energy that the specimen has absorbed up to each time, J, shape (n,).
 
-        It is the integral of F1 v1 - F2 v2 over time, from 0 at the first time.
+        It is the integral of F1 v1 - F2 v2 over time, 0 at the first time.
         """
         power = (
             self.input_force * self.input_velocity
@@ -51,15 +52,20 @@ class Curve:
         return slice(0, int(self.strain.argmax()) + 1)
 
     def at_strain(self, strain: Any, column: Floats) -> Floats:
-        """A column while loading, up to the largest strain, at strains, not times.
+        """Values of a column at given strains, interpolated while loading.
 
         Parameters
         ----------
         strain : float or array
-            Strains; below the first and above the largest strain of the shot, its first
-            and its last value hold.
+            Below the first strain of the shot the result is the first value of the
+            column; above the largest strain it is the value there.
         column : array, shape (n,)
             One of the columns, such as ``reduction.stress``.
+
+        Returns
+        -------
+        array
+            One value for each strain, in the unit of the column.
 
         Raises
         ------
@@ -71,7 +77,8 @@ class Curve:
         if numbers.shape != self.times.shape:
             message = f"must be a column of {len(self.times)} numbers, such as .stress"
             raise invalid_argument("column", f"{message}, got {shown(column)}")
-        # Interpolation takes strains that do not fall: the largest one up to each time.
+        # Interpolation needs strains that do not decrease: each strain is replaced by
+        # the largest one up to its time.
         reached = np.maximum.accumulate(self.strain[self.loading])
         interpolated: Floats = np.interp(strains, reached, numbers[self.loading])
         return interpolated
@@ -92,7 +99,7 @@ class Faces(NamedTuple):
 def curve_of(faces: Faces, specimen: Specimen, times: Floats) -> Curve:
     """The curve with the strain rate (v1 - v2)/L0, from forces and velocities.
 
-    The strain is the integral of the rate, from 0 at the first time.
+    The strain is the integral of the rate over time, 0 at the first time.
     """
     rate = (faces.input_velocity - faces.output_velocity) / specimen.length
     return Curve(
@@ -108,7 +115,10 @@ def curve_of(faces: Faces, specimen: Specimen, times: Floats) -> Curve:
 
 
 def integral(rate: Floats, times: Floats) -> Floats:
-    """Integral from the first time to each of the times, by trapezia: first 0."""
+    """Integral of a rate over time up to each of the times, by the trapezoidal rule.
+
+    The result has the shape of the times, and begins with 0.
+    """
     from scipy.integrate import cumulative_trapezoid
 
     total: Floats = cumulative_trapezoid(rate, times, initial=0)

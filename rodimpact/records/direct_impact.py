@@ -1,9 +1,10 @@
 """A direct impact: a striker hits the specimen, which lies on a bar with a gauge.
 
-The forces on both faces of the specimen are assumed equal, F. The velocity of the
-striker's face follows from its momentum. A rigid striker of the mass m and the speed V
-has v1 = V - int F dt/m. In a rod of the impedance Z and the length L, whose far end is
-free, the wave g leaves the face::
+The forces on both faces of the specimen are assumed equal, F. The velocity v1 of the
+striker's face follows from F and the speed V of the striker. A rigid striker of the
+mass m has v1 = V - int F dt/m. In a rod striker of the impedance Z, the bar speed c and
+the length L, a wave of the strain g leaves the face and returns from the free far end.
+T(2 L) g is this wave after the distance 2 L::
 
     Z c g = F + Z c T(2 L) g          v1 = V - c (g + T(2 L) g)
 """
@@ -31,10 +32,11 @@ from .specimen import Specimen
 from .waveguide import Waveguide
 
 TIMING_PERIODS = 0.15
-"""Error of the time of an impact in periods of the cut-off of the first mode.
+"""Error of the time of an impact, in periods of the first mode's cut-off frequency.
 
-Higher frequencies are lost, so that the corner at which a force begins is rounded and
-rings. In computed shots, whose impact is known, the error is up to a tenth.
+Higher frequencies are lost, so the record shows the begin of a force rounded and with
+ringing. In computed shots, whose time of impact is known, the error is at most 0.1
+periods.
 """
 
 
@@ -45,21 +47,21 @@ class DirectImpactShot:
     output: InstrumentedBar
     striker: Rod | RigidMass
     specimen: Specimen
-    times: Floats
+    times: Floats  # s, from the impact on
 
     def curve(self) -> Curve:
         """Forces, velocities and strain if the forces on both faces are equal.
 
         With the compressive strains of the waves at the output face, F1 = F2 = E A
         (away + towards) and v2 = c (away - towards). The velocity v1 of the input face
-        is the speed of the striker minus the velocity that the force has taken from its
-        face, see `_lost_velocity`. The force counts as 0 before the impact. The curve
-        is at `times`, which begin with the impact.
+        is the speed of the striker minus `_lost_velocity`, which the force causes. The
+        force is set to 0 before the impact. The curve is at `times`, which begin with
+        the impact.
         """
         bar = self.output
         waves = waves_at_face(bar)
         force = bar.stiffness * (waves.away + waves.towards)
-        # Before the impact no force acts: the bar has recorded noise.
+        # Before the impact no force acts; the record is noise.
         force[bar.times < self.times[0]] = 0.0
         input_velocity = self._speed() - self._lost_velocity(force)
         output_velocity = bar.speed * (waves.away - waves.towards)
@@ -79,11 +81,11 @@ class DirectImpactShot:
     def _lost_velocity(self, force: Floats) -> Floats:
         """Decrease of the velocity of the striker's face by a force, m/s.
 
-        Force and velocity are at the times of the bar, [sample]. For a rigid striker
-        the decrease is the impulse over the mass, int F dt/m. For a rod with a free far
-        end it is c (g + T(2 L) g), where g is the strain of the wave that leaves the
-        face, and T(x) g is this wave after the distance x. g contains the force and all
-        returned waves, g = F/(E A) + T(2 L) g: a sum of passages.
+        Force, N, and decrease are at the times of the bar, [sample]. For a rigid
+        striker the decrease is the impulse over the mass, int F dt/m. For a rod of the
+        length L with a free far end it is c (g + T(2 L) g): g is the strain of the wave
+        that leaves the face, and T(2 L) g is this wave after its return. The force and
+        the returned wave make g = F/(E A) + T(2 L) g, which `sum_of_passages` solves.
         """
         striker = self.striker
         if isinstance(striker, RigidMass):
@@ -95,9 +97,9 @@ class DirectImpactShot:
         return guide.speed * (leaving_strain + returned_strain)
 
     def with_noise_alone(self, rng: np.random.Generator) -> DirectImpactShot:
-        """The shot with gauges that record random noise alone, and a striker at rest.
+        """The shot with gauges that record nothing but noise, and a striker at rest.
 
-        Its curve is that of the noise, see `noise_of_bar`, which `rng` draws.
+        `noise_of_bar` draws the noise by `rng`.
         """
         return replace(
             self,
@@ -106,19 +108,19 @@ class DirectImpactShot:
         )
 
     def with_errors(self, calibration: Calibration) -> Iterator[DirectImpactShot]:
-        """No shots: a calibration is of two bars."""
+        """No shots at all: a calibration belongs to two bars."""
         del calibration
         return iter(())
 
     def with_later_output(self, delay: float) -> DirectImpactShot:
-        """The shot with an output bar that records later by a delay, s."""
+        """The shot with `delay`, s, added to the times of the output bar."""
         later = self.output._replace(times=self.output.times + delay)
         return replace(self, output=later)
 
     def method_sentence(self) -> str:
-        """Phrase on how the velocity of the input face follows from the striker.
+        """Phrase on the source of the input velocity, and on the error of impact time.
 
-        It ends with the error of the time of the impact.
+        It names the kind of the striker, a rigid mass or a rod.
         """
         kind = "a rigid mass"
         if isinstance(self.striker, Rod):
@@ -132,26 +134,30 @@ class DirectImpactShot:
 
 
 def start_of_impact(bar: InstrumentedBar) -> float:
-    """Time of the impact, s.
+    """Time at which the striker hits the specimen, s.
 
-    The rise of equal forces on both faces is extrapolated to zero. The first wave away
-    from the face has the strain F/(E A).
+    It is the begin of the force on the output face: its rise is extrapolated to zero,
+    see `extrapolated_onset`.
     """
+    # Until a wave returns, the wave away from the face has the strain F/(E A).
     force_strain = waves_at_face(bar).away
     pulse = first_part(bar.times, force_strain)
     return extrapolated_onset(bar.times, force_strain, pulse)
 
 
 def timing_error_of(bar: InstrumentedBar) -> float:
-    """Error of the time of the impact, s: one sample, or part of the cut-off period."""
+    """Error of the time of the impact, s.
+
+    It is one sample or, if longer, `TIMING_PERIODS` periods of the cut-off frequency.
+    """
     return max(bar.dt, TIMING_PERIODS / bar.guide.cut_off)
 
 
 def check_striker(striker: Any) -> None:
-    """InvalidModel unless the striker is a rigid mass or a uniform rod that moves.
+    """Raise InvalidModel unless the striker is a moving rigid mass or uniform rod.
 
-    It must be a single one, no family. Its velocity must be a single number above 0, no
-    profile.
+    It must be a single body, not a family. Its velocity must be a single number above
+    0, not a profile.
     """
     example = "ri.Rod(0.2, diameter=0.016, material=ri.materials.steel, velocity=12.0)"
     is_striker = is_uniform_rod(striker)

@@ -17,7 +17,7 @@ from .reduction import Reduction
 from .strain_table import strain_label, table_strains
 
 MAX_CURVE_POINTS = 10**6
-"""Strains of a mean curve, at most."""
+"""Largest number of strains of a mean curve."""
 
 
 @explain_missing()
@@ -27,13 +27,13 @@ class MeanCurve(NamedTuple):
     Attributes
     ----------
     strain : array, shape (n,)
-        From 0 to the largest strain that all shots reach.
+        Strains from 0 to the largest strain that all shots reach.
     stress, strain_rate : array, shape (n,)
-        Means, Pa and 1/s.
+        Means over the shots, Pa and 1/s.
     scatter : array, shape (n,)
         Standard deviation of the stress from shot to shot, Pa.
     shots : int
-        How many.
+        Number of shots.
 
     Examples
     --------
@@ -90,8 +90,8 @@ class MeanCurve(NamedTuple):
 def mean_of_shots(shots: Sequence[Reduction], points: int = 201) -> MeanCurve:
     """Mean and scatter of the stress of several shots over their strain.
 
-    The common strains go from 0 to the largest one that all shots reach. The scatter is
-    the standard deviation from shot to shot.
+    The common strains go from 0 to the largest strain that all shots reach. The scatter
+    is the standard deviation of the stress from shot to shot.
 
     Parameters
     ----------
@@ -138,6 +138,6 @@ def mean_of_shots(shots: Sequence[Reduction], points: int = 201) -> MeanCurve:
         strain=strain,
         stress=np.mean(stresses, axis=0),
         strain_rate=np.mean(rates, axis=0),
-        scatter=np.std(stresses, axis=0, ddof=1),
+        scatter=np.std(stresses, axis=0, ddof=1),  # n - 1: the mean is estimated, too
         shots=len(shots),
     )

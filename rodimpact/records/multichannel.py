@@ -82,7 +82,7 @@ def write_signals(
 def signals_to_xarray(signals: Mapping[str, Signal]) -> Any:
     """Return signals as an xarray Dataset over ``time``, with units (extra ``xarray``).
 
-    Its attribute ``version`` is that of rodimpact.
+    The Dataset has an attribute ``version``, the version of rodimpact.
 
     Parameters
     ----------
@@ -114,7 +114,7 @@ def signals_to_xarray(signals: Mapping[str, Signal]) -> Any:
 def signals_from_xarray(data: Any) -> dict[str, Signal]:
     """Make a signal from each variable of a Dataset.
 
-    The variables and their times have ``units``.
+    The variables and their time coordinates must have an attribute ``units``.
 
     Parameters
     ----------
@@ -148,10 +148,10 @@ def signals_from_xarray(data: Any) -> dict[str, Signal]:
 
 
 def _times_of(signals: Any) -> Floats:
-    """The times that all signals have.
+    """The common times of all signals, s.
 
-    InvalidModel if the argument is no mapping of signals, or an empty one, or if their
-    times differ.
+    InvalidModel if the argument is not a mapping of signals by name, if it is empty, or
+    if the times of the signals differ.
     """
     if not isinstance(signals, Mapping) or not signals:
         message = (

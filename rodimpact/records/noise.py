@@ -11,7 +11,7 @@ NOISE_BLOCKS = 8
 
 
 def noise_of_bars(bars: InstrumentedBars, rng: np.random.Generator) -> InstrumentedBars:
-    """Both bars, with gauges that record nothing but noise."""
+    """Both bars, with gauges that record nothing but noise, drawn by `rng`."""
     return InstrumentedBars(
         input=noise_of_bar(bars.input, rng), output=noise_of_bar(bars.output, rng)
     )
@@ -22,20 +22,21 @@ def noise_of_bar(bar: InstrumentedBar, rng: np.random.Generator) -> Instrumented
 
     The noise of a gauge, at all times of the bar, is a block bootstrap of its record
     before the pulse, less its own mean over as many samples. Blocks keep the
-    correlation of the noise. They are short, since the mean over the whole rest was
-    subtracted as the baseline. The noise is enlarged for what that took from it.
+    correlation of the noise. The mean over the rest was subtracted from the record,
+    which made its noise smaller: the result is enlarged to make up for it.
     """
-    block = max(2, bar.rest_samples // NOISE_BLOCKS)  # samples
+    block = max(2, bar.rest_samples // NOISE_BLOCKS)  # samples of a block
     count = len(bar.times)
-    n_blocks = count // block + 1
+    n_blocks = count // block + 1  # enough; the last one is cut
     drawn = []
     for strain in bar.strains:
+        # First sample of each block, anywhere in the rest (the upper bound is excluded)
         starts = rng.integers(0, bar.rest_samples - block + 1, n_blocks)
-        samples = starts[:, None] + np.arange(block)  # indices [block, sample of it]
+        samples = starts[:, None] + np.arange(block)  # indices [block, sample in block]
         noise = strain[samples].ravel()[:count]
         baseline = noise[: bar.rest_samples].mean()
         drawn.append(noise - baseline)
-    # Because the rest has the mean 0, sums of blocks vary less, by this factor; the
-    # division makes up for it.
+    # The rest has the mean 0, so sums over blocks vary less than those of the true
+    # noise, by this factor.
     shrinkage = math.sqrt(1 - block / bar.rest_samples)
     return bar._replace(strains=np.array(drawn) / shrinkage)

@@ -1,8 +1,9 @@
 """A shot that gives a curve, and the error bands of this curve.
 
-All steps from the records to the curve are linear, except the last. The error band
-therefore follows from two contributions: noise drawn at random from the records, and
-the errors of a calibration. Both go through the same linear steps as the curve.
+The columns of a curve are linear in the records. So the error due to noise is the curve
+of noise alone, which is drawn at random from the records at rest. The error due to a
+calibration is the change of the curve if one of its numbers is changed. Frequencies
+that the bars or the records do not carry add a third error.
 """
 
 from __future__ import annotations
@@ -24,8 +25,8 @@ NOISE_DRAWS = 24
 BAND_STANDARD_ERRORS = 2.36
 """Half width of a 95 % band in standard errors.
 
-It is that of Student's distribution with 7 degrees of freedom, one less than the blocks
-of noise.
+It is that of Student's distribution with 7 degrees of freedom, one less than the number
+of blocks from which noise is drawn.
 """
 
 
@@ -36,20 +37,20 @@ class Shot(Protocol):
         """Forces, velocities and strain from the strains of the bars."""
 
     def with_noise_alone(self, rng: np.random.Generator) -> Shot:
-        """The shot with gauges that record nothing but noise."""
+        """The shot with gauges that record nothing but noise, drawn by `rng`."""
 
     def with_errors(self, calibration: Calibration) -> Iterator[Shot]:
-        """Shots in which one constant of a bar is changed by its standard error."""
+        """Yield shots with one gain or wave speed larger by its standard error."""
 
     def with_later_output(self, delay: float) -> Shot:
-        """The shot with an output bar that records later by a delay, s."""
+        """The shot with the waves of the output bar later by `delay`, s."""
 
 
 class Resolution(NamedTuple):
-    """What the records and the bars carry."""
+    """Time step and highest frequency of the records."""
 
     dt: float  # time step of the output bar, s
-    cut_off: float  # highest frequency, Hz
+    cut_off: float  # highest frequency that bars and records carry, Hz
 
 
 class Bands(NamedTuple):
@@ -62,8 +63,8 @@ class Bands(NamedTuple):
 def one_sample_of(shot: Shot, curve: Curve, dt: float) -> Floats:
     """Change of the stress at equal strain by a shift of the output record, Pa.
 
-    The record is taken later, and earlier, by one sample, `dt`, s. The result is the
-    larger absolute change of both, [sample].
+    The record is shifted by one sample, `dt`, s, once later and once earlier. The
+    result is the larger of the two absolute changes, at each sample of the curve.
     """
     stresses = []  # [shift, sample]
     for delay in (dt, -dt):
@@ -80,24 +81,24 @@ def bands_of(
     resolution: Resolution,
     report: ProgressReport,
 ) -> Bands:
-    """Half widths of bands of 95 %: noise, errors of a calibration, lost frequencies.
+    """Half widths of the 95 % bands: noise, errors of a calibration, lost frequencies.
 
-    The noise goes through the reduction alone, since that is linear; its draws are the
-    same in each call. Without a calibration, None, it has no errors. `report` is told
-    how many draws are done, and of how many.
+    The variances of the three errors are added. The draws of the noise are the same in
+    each call. Without a calibration (None) there are two errors. `report` is called
+    with the number of draws done so far and the number of all draws.
     """
     rng = np.random.default_rng(0)
     noise_curves = []
     for k in range(NOISE_DRAWS):
         noise_curves.append(shot.with_noise_alone(rng).curve())
         report(k + 1, NOISE_DRAWS)
-    changed_curves = []
+    changed_curves = []  # each with one number of the calibration changed
     if calibration is not None:
         for changed in shot.with_errors(calibration):
             changed_curves.append(changed.curve())
 
     def band(name: str) -> Floats:
-        """Half width of the band of the column of that name, [sample]."""
+        """Half width of the band of the column called `name`, [sample]."""
         column = getattr(curve, name)
         noises = [getattr(noise_curve, name) for noise_curve in noise_curves]
         variance = np.mean([noise**2 for noise in noises], axis=0)
@@ -106,8 +107,8 @@ def bands_of(
             difference = getattr(changed_curve, name) - column
             calibration_variance = calibration_variance + difference**2
         variance += calibration_variance
-        # The frequencies that were lost have about the power of the last octave that
-        # was kept, less that of the noise in it.
+        # The lost frequencies have about the power of the last octave that is carried,
+        # minus the power of the noise in it.
         noise_powers = [high_frequency_power(noise, resolution) for noise in noises]
         power = high_frequency_power(column, resolution)
         lost = np.maximum(power - np.mean(noise_powers, axis=0), 0.0)
@@ -117,16 +118,16 @@ def bands_of(
 
 
 def high_frequency_power(column: Floats, resolution: Resolution) -> Floats:
-    """Local mean square of the last octave of frequencies that records and bars carry.
+    """Local mean square of a column in the highest octave of frequencies, [sample].
 
-    The mean runs over two of its longest periods, and the result has the shape of the
-    column. Higher frequencies are lost; behind a kink of the curve they have the same
-    power.
+    The octave ends at `resolution.cut_off`. The moving mean has the width of two of its
+    longest periods. The frequencies above the octave are lost; after a kink of the
+    curve they have about the same power.
     """
     dt = resolution.dt
     octave_start = resolution.cut_off / 2
     low = Signal(column, dt=dt).low_pass(octave_start).values
-    period = math.ceil(1 / octave_start / dt)  # the longest of the octave, samples
+    period = math.ceil(1 / octave_start / dt)  # longest period of the octave, samples
     width = min(2 * period + 1, len(column))
     window = np.full(width, 1 / width)
     power: Floats = np.convolve((column - low) ** 2, window, "same")

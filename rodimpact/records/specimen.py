@@ -13,9 +13,9 @@ class Specimen(FrozenDataclass):
     Parameters
     ----------
     length : float
-        L0 before the shot, m.
+        Length L0 before the shot, m.
     area, diameter : float
-        A0, m^2, or the diameter of a round specimen, m: one of the two.
+        Cross-sectional area A0, m^2, or diameter of a round specimen, m; one of both.
     youngs_modulus : float, optional
         Modulus of the initial elastic part, Pa; `reduce` can align the waves with it.
     wave_speed : float, optional
@@ -52,8 +52,8 @@ class Specimen(FrozenDataclass):
 
     @property
     def section(self) -> float:
-        """Cross-section A0 before the test, m^2: the area, or that of the diameter."""
+        """Cross-sectional area A0 before the shot, m^2, from area or diameter."""
         if self.area is not None:
             return self.area
-        assert self.diameter is not None  # one of both was given
+        assert self.diameter is not None  # `_check` demands one of both
         return math.pi * self.diameter**2 / 4

@@ -29,14 +29,14 @@ from .separation import waves_at_face
 from .specimen import Specimen
 
 ELASTIC_RATIO = 0.5
-"""Stress over the largest stress, up to which the start is taken as elastic."""
+"""Stress divided by the largest stress up to which a shot counts as elastic."""
 
 
 class Shifts(NamedTuple):
-    """How much earlier waves are taken than they were recorded, s."""
+    """Times by which waves are moved earlier than recorded, s."""
 
     reflected: float = 0.0
-    transmitted: float = 0.0  # and the wave back to the specimen in the output bar
+    transmitted: float = 0.0  # for both waves of the output bar
 
 
 NO_SHIFTS = Shifts()
@@ -44,11 +44,11 @@ NO_SHIFTS = Shifts()
 
 @dataclass(frozen=True)
 class TwoBarShot:
-    """Both bars of a shot, the times with both faces known, and the alignment."""
+    """Both bars of a shot, times at which both faces are known, and the alignment."""
 
     bars: InstrumentedBars
     specimen: Specimen
-    times: Floats
+    times: Floats  # s
     shifts: Shifts = NO_SHIFTS
 
     def curve(self) -> Curve:
@@ -60,8 +60,8 @@ class TwoBarShot:
             v2 = c2 (transmitted - returning)    F2 = E2 A2 (transmitted + returning)
             strain rate = (v1 - v2)/length
 
-        The reflected wave, and both waves of the output bar, are taken earlier by their
-        shifts. The curve is at `times`.
+        The reflected wave, and both waves of the output bar, are moved earlier by their
+        `shifts`. The curve is at `times`.
         """
         input_bar = self.bars.input
         output_bar = self.bars.output
@@ -85,17 +85,17 @@ class TwoBarShot:
         return curve_of(faces, self.specimen, self.times)
 
     def _sampled(self, bar: InstrumentedBar, wave: Floats, shift: float) -> Floats:
-        """A wave at the times of the curve, taken earlier by a shift, s."""
+        """A wave of a bar at the times of the curve, moved earlier by a shift, s."""
         sampled: Floats = np.interp(self.times + shift, bar.times, wave)
         return sampled
 
     def aligned(self, limit: float, report: ProgressReport) -> TwoBarShot:
         """The shot with shifts that balance the forces at its start, by least squares.
 
-        Both shifts, s, lie within a limit to either side. The start goes up to
-        `ELASTIC_RATIO`, half, of the largest stress. If the specimen has a Young's
-        modulus E, the shifts also make the start elastic, stress = E strain. `report`
-        is told how many curves are done.
+        Both shifts lie between -limit and limit, s. The start lasts until the stress
+        first exceeds half of its largest value (`ELASTIC_RATIO`). If the specimen has a
+        Young's modulus E, the deviation of the start from stress = E strain is
+        minimized, too. `report` is called with the number of curves computed so far.
         """
         from scipy.optimize import least_squares
 
@@ -104,16 +104,17 @@ class TwoBarShot:
         first_above = int(np.argmax(stress > ELASTIC_RATIO * largest))
         start = slice(0, first_above + 1)  # samples
         modulus = self.specimen.youngs_modulus
-        curves = 0
+        curves = 0  # number of curves computed, for `report`
 
         def residuals(shifts: Floats) -> Floats:
-            """Imbalance and distance from the elastic line at the samples of the start.
+            """Imbalance, and deviation from the elastic line, at the start, [number].
 
-            Both are stresses divided by the largest one, one behind the other.
+            Both are stresses divided by the largest stress, in one array. Without a
+            Young's modulus it is the imbalance alone.
             """
             nonlocal curves
             curves += 1
-            report(curves, None)  # nobody knows how many there will be
+            report(curves, None)  # the total number is unknown
             curve = replace(self, shifts=Shifts(*shifts)).curve()
             imbalance = curve.input_force - curve.output_force
             parts = [imbalance[start] / self.specimen.section]
@@ -133,15 +134,16 @@ class TwoBarShot:
         return replace(self, shifts=Shifts(*solution.x.tolist()))
 
     def with_noise_alone(self, rng: np.random.Generator) -> TwoBarShot:
-        """The shot with gauges that record nothing but noise."""
+        """The shot with gauges that record nothing but noise, drawn by `rng`."""
         return replace(self, bars=noise_of_bars(self.bars, rng))
 
     def with_errors(self, calibration: Calibration) -> Iterator[TwoBarShot]:
-        """Shots in which one constant of a bar is changed by its standard error."""
+        """Yield shots with one gain or wave speed larger by its standard error."""
         for bars in with_one_error(calibration, self.bars):
             yield replace(self, bars=bars)
 
     def with_later_output(self, delay: float) -> TwoBarShot:
-        """The shot with an output bar that records later by a delay, s."""
+        """The shot with the waves of the output bar later by `delay`, s."""
+        # `shifts` move waves earlier, so a delay is a negative shift.
         transmitted = self.shifts.transmitted - delay
         return replace(self, shifts=self.shifts._replace(transmitted=transmitted))

@@ -1,8 +1,7 @@
-"""The verdict on a shot in a few sentences.
+"""The verdict on a shot: equilibrium, peak stress, strain rate and energy.
 
-It tells of equilibrium, peak stress, strain rate and energy. A specimen is in
-equilibrium where the forces on its two faces are equal. Before that, the stress from
-one face is no property of its material.
+A specimen is in equilibrium while the forces on its two faces are equal. Before that,
+the stress computed from one face does not characterize the material.
 """
 
 import math
@@ -21,23 +20,24 @@ from .pulses import PLATEAU_RATIO
 Bools: TypeAlias = NDArray[np.bool_]
 
 EQUILIBRIUM_RTOL = 0.05
-"""Bounds abs(F1 - F2) over the mean of both forces, in equilibrium."""
+"""Largest abs(F1 - F2) in equilibrium, divided by the mean of both forces."""
 MIN_BALANCED_RATIO = 0.5
-"""Least part of the plateau with balanced forces for equilibrium of a shot."""
+"""Least part of the plateau with balanced forces if a shot is in equilibrium."""
 MAX_UNSTEADY_RATIO = 0.5
-"""Median departure of F1 - F2 from its median over the plateau, over their size.
+"""Largest scatter of a difference F1 - F2 that counts as nearly constant.
 
-A smaller one is a difference of one sign and nearly constant. Waves that still run in
-the specimen make it swing or fade.
+The scatter is the median of the deviations of F1 - F2 from its median on the plateau,
+divided by the median of abs(F1 - F2). Waves that still run in the specimen make the
+difference oscillate or decay.
 """
 SMOOTHING_RATIO = 0.25
-"""Duration of the means of compared forces, over the rise time of the incident wave."""
+"""Duration of the moving means of forces, over the rise time of the incident wave."""
 SMALLEST_SHOWN_RATIO = 1e-4
-"""Ratio below which the sentences give no digits."""
+"""Ratio below which the sentences say "less than" this ratio."""
 EQUILIBRIUM_TRANSITS = 4.0
-"""Transit times of the specimen until its forces are nearly equal.
+"""Typical number of transit times of the specimen until its forces are nearly equal.
 
-They are 3 to 5 for most rise times.
+It is 3 to 5 for most rise times.
 """
 
 
@@ -57,8 +57,8 @@ class Verdict(NamedTuple):
     equilibrium_from : float
         Strain from which the forces are balanced; nan if this is not known.
     imbalance : float
-        Median of abs(F1 - F2) on the plateau, over the mean force; nan if none was
-        measured.
+        Median of abs(F1 - F2) on the plateau, divided by the mean force; nan if equal
+        forces were assumed.
     peak_stress : float
         Largest nominal stress while loading, Pa.
     strain_at_peak : float
@@ -68,7 +68,7 @@ class Verdict(NamedTuple):
     energy : float
         Energy absorbed up to the largest strain, J.
     sentences : tuple of str
-        The same for people; ``str(verdict)`` has one a line.
+        The verdict in sentences; ``str(verdict)`` has each of them in a line.
 
     Examples
     --------
@@ -101,9 +101,9 @@ class Verdict(NamedTuple):
 def verdict_of(curve: Curve, impedance: float, rise: float) -> Verdict:
     """Verdict on a curve with measured forces on both faces.
 
-    Its first sentence says that equilibrium cannot be judged (`in_equilibrium` is
-    None), from which strain it is reached, or that it is not reached. Only in the
-    second case is `equilibrium_from` not nan.
+    The first sentence has one of three statements: equilibrium cannot be judged
+    (`in_equilibrium` is None); equilibrium is reached at a strain, `equilibrium_from`;
+    or it is not reached. In the first and in the last case `equilibrium_from` is nan.
 
     Parameters
     ----------
@@ -131,7 +131,8 @@ def verdict_of(curve: Curve, impedance: float, rise: float) -> Verdict:
             f"{_percent(imbalance)} of it on the plateau"
         )
     elif in_equilibrium:
-        # The first balanced sample of the plateau, and those right before it
+        # Equilibrium begins before the first balanced sample of the plateau, if the
+        # samples right before it are balanced, too.
         first = int(is_equal_on_plateau.argmax())
         while first > 0 and balance.is_equal[first - 1]:
             first -= 1
@@ -148,6 +149,7 @@ def verdict_of(curve: Curve, impedance: float, rise: float) -> Verdict:
             f"mean force on the plateau, and stays below {_percent(EQUILIBRIUM_RTOL)} "
             "for less than half of it; "
         )
+        # A nearly constant difference has a smaller scatter than its size.
         difference = balance.difference[plateau]
         from_median = np.abs(difference - np.median(difference))
         unsteadiness = float(np.median(from_median))
@@ -171,9 +173,10 @@ def verdict_of(curve: Curve, impedance: float, rise: float) -> Verdict:
 def verdict_of_equal_forces(curve: Curve, method: str) -> Verdict:
     """Verdict on a curve for which equal forces on both faces were assumed.
 
-    Its numbers on equilibrium are None and nan; with the wave speed of the specimen a
-    sentence estimates when the forces become equal. `method` is the last sentence: how
-    the velocity of the input face was found.
+    `in_equilibrium` is None, `equilibrium_from` and `imbalance` are nan. If the wave
+    speed of the specimen is known, the first sentence estimates the time until the
+    forces are equal. `method`, on how the input velocity was found, is the last
+    sentence.
     """
     sentence = "equilibrium is assumed, not measured: one force stands for both faces"
     wave_speed = curve.specimen.wave_speed
@@ -210,14 +213,14 @@ def _with_numbers(
     imbalance: float,
     sentence: str,
 ) -> Verdict:
-    """The verdict with the numbers that need no equilibrium.
+    """The verdict from its statements on equilibrium, completed by other numbers.
 
-    They are the peak stress and its strain, the mean strain rate on the plateau, and
-    the energy absorbed while loading; the second sentence names them. The first one,
-    `sentence`, and the other arguments are kept as they are.
+    These are the peak stress and its strain, the mean strain rate on the plateau, and
+    the energy absorbed while loading; they form the second sentence. `sentence` is the
+    first one. `plateau` selects the samples of the plateau, [sample].
     """
     loading = curve.loading
-    peak = int(curve.stress[loading].argmax())
+    peak = int(curve.stress[loading].argmax())  # also an index of the whole curve
     strain_rate = float(curve.strain_rate[plateau].mean())
     energy = float(curve.energy[loading][-1])
     start = _percent(curve.strain[plateau][0])
@@ -241,7 +244,7 @@ def _with_numbers(
 
 
 def _plateau(curve: Curve) -> Bools:
-    """Which samples are loading with a force near its peak, [sample]."""
+    """Booleans, [sample]: true while loading, with an output force near its peak."""
     is_loading = np.arange(len(curve.times)) < curve.loading.stop
     force = np.where(is_loading, curve.output_force, -np.inf)
     is_high: Bools = force >= PLATEAU_RATIO * force.max()
@@ -252,15 +255,16 @@ class _Balance(NamedTuple):
     """Balance of the forces over time."""
 
     difference: Floats  # F1 - F2 over the mean force
-    imbalance: Floats  # its absolute value
-    is_equal: Bools  # whether it is within the bound, while loading
+    imbalance: Floats  # absolute value of the difference
+    is_equal: Bools  # imbalance within `EQUILIBRIUM_RTOL`, while loading
 
 
 def _balance(curve: Curve, rise: float) -> _Balance:
-    """Balance of the forces, from their means over `SMOOTHING_RATIO` of a rise time, s.
+    """Balance of the forces over time, [sample].
 
-    Noise disturbs the means less. After the loading, and at a mean force of 0 or less,
-    no forces count as equal.
+    Moving means of the forces over `SMOOTHING_RATIO` times the rise time, s, are
+    compared, since noise disturbs them less. `is_equal` is false after the loading, and
+    if the mean of both forces is 0 or less.
     """
     dt = curve.times[1] - curve.times[0]
     width = max(1, round(SMOOTHING_RATIO * rise / dt))
@@ -276,19 +280,20 @@ def _balance(curve: Curve, rise: float) -> _Balance:
 
 
 def _resolution(curve: Curve, plateau: Bools, impedance: float) -> float:
-    """Error of F1, the difference of two waves, over the median of F2 on the plateau.
+    """Error of F1 divided by the median of F2 on the plateau.
 
-    `impedance` is that of the input bar, Z, kg/s.
+    F1 is the difference of two waves: its error is `INPUT_FORCE_RTOL` of the largest
+    force of the incident wave. `impedance` is Z of the input bar, kg/s.
     """
-    # The force F1 = Z c (i + r) and Z v1 = Z c (i - r) give that of the incident wave,
-    # Z c i.
+    # The incident strain i and the reflected strain r make the force F1 = Z c (i + r)
+    # and the velocity v1 = c (i - r): the incident force is Z c i = (F1 + Z v1)/2.
     incident_force = (curve.input_force + impedance * curve.input_velocity) / 2
     plateau_force = np.median(curve.output_force[plateau])
     return float(INPUT_FORCE_RTOL * np.abs(incident_force).max() / plateau_force)
 
 
 def _percent(ratio: float) -> str:
-    """A ratio in percents, without digits if it is next to nothing."""
+    """A ratio in percents; "less than 0.01 %" if it is smaller."""
     if abs(ratio) < SMALLEST_SHOWN_RATIO:
         return f"less than {100 * SMALLEST_SHOWN_RATIO:g} %"
     return f"{100 * ratio:.3g} %"
