@@ -291,8 +291,8 @@ def _pair_with_estimate(
             "distance", f"{message}; correct the distance, or the bar's wave speed"
         )
     measured_travel = travel + misfit.shift
-    # The times of the first record plus the travel time: the second record is compared
-    # between these.
+    # The first record, later by the travel time, lies between these times: only there
+    # does it predict the second record.
     start_there = first.start + measured_travel
     end_there = first.end + measured_travel
     compared = (second.times >= start_there) & (second.times <= end_there)
@@ -364,7 +364,7 @@ def _least_squares(pair: _Pair) -> _SearchEnd:
             predicted / pair.level,
             np.full(len(here), 1 / pair.level),
         ]
-        # Chain rule: d number/dx is the unit of the number.
+        # Chain rule: the derivative of a number by its x is the unit of the number.
         by_variables: Floats = np.stack(by_numbers, axis=1) * units
         return by_variables
 

@@ -277,14 +277,15 @@ def _first_pulse(name: str, times: Floats, strain: Floats, compression: str) -> 
     `SMOOTHED_SAMPLES` first exceeds `FIRST_PULSE_RATIO` of the largest strain; it ends
     where this mean is back at 0, and `pulse_of` gives its timing. InvalidModel, which
     names the argument `name`, if the first pulse is negative (a tension) or cannot be
-    timed, or if single samples are far above all others. `compression` is the sign in
-    the records, for messages.
+    timed, if the record is 0 everywhere, or if single samples are far above all others.
+    `compression` is the sign in the records, for messages.
     """
     values = strain - np.median(strain[:MIN_REST_SAMPLES])
     window = np.ones(SMOOTHED_SAMPLES) / SMOOTHED_SAMPLES
     smooth = np.convolve(values, window, "same")
     largest = np.abs(values).max()
     is_high = np.abs(smooth) > FIRST_PULSE_RATIO * largest
+    # A single sample far above all others is spread by the mean: no sample is high.
     if largest > 0 and not is_high.any():
         wrong = int(np.abs(values).argmax())
         time = format_si(times[wrong], "s")
@@ -294,7 +295,7 @@ def _first_pulse(name: str, times: Floats, strain: Floats, compression: str) -> 
             f"{strain[wrong]:.3g}; remove wrong samples from the record",
         )
     first = int(np.argmax(is_high))  # index of the first high sample
-    is_tension = smooth[first] <= 0
+    is_tension = smooth[first] <= 0  # also if the record is 0 everywhere
     if is_tension:
         other = "negative"
         if compression == "negative":
@@ -305,7 +306,7 @@ def _first_pulse(name: str, times: Floats, strain: Floats, compression: str) -> 
             f'compression="{other}"; if that of this one alone does, '
             "reverse it by BarGauge(..., gain=-1)",
         )
-    below = np.flatnonzero(smooth[first:] <= 0)
+    below = np.flatnonzero(smooth[first:] <= 0)  # counted from `first`
     stop = len(values)  # index after the last sample of the pulse
     if below.size:
         stop = first + int(below[0]) + 1

@@ -394,7 +394,7 @@ def _with_input_speed(input_bar: InstrumentedBar, output: _Timed) -> _Timed:
         input_bar, path=input_path, recording=output_bar, predict=transmitted
     )
     relative_error = output.speed_error / output_bar.speed
-    # Error of the travel time in the output bar, path/speed
+    # The travel time in the output bar is path/speed: it has the same relative error.
     output_time_error = relative_error * output_path / output_bar.speed
     # As speed = path/time, its error is speed^2/path times that of the time.
     speed_error_from_output = timed.bar.speed**2 / input_path * output_time_error
@@ -442,6 +442,7 @@ def _fit_wave_speed(
         bar = bar._replace(rod=with_speed(bar.rod, measured_speed))
     # Noise of the standard deviation s shifts a pulse by s/sqrt(sum of slope^2). The
     # factor sqrt(2): the prediction has the same noise, as it is made from a record.
+    # The differences `first` to `last` - 1 are those between samples of the pulse.
     slopes = np.diff(predicted)[first:last] / recording.dt
     steepness = math.sqrt(float(slopes @ slopes))
     arrival_error = _noise(recording) * math.sqrt(2) / steepness
@@ -542,8 +543,8 @@ def _plateau_error(bar: InstrumentedBar) -> float:
     than two samples, the error is the noise divided by the plateau.
     """
     pulse = bar.first_pulse
-    # `pulse.start` and the end of `pulse.width` lie on the rise and on the fall: the
-    # plateau begins a rise time after the one and ends a rise time before the other.
+    # `pulse.start` is on the rise, and the end of `pulse.width` about on the fall: one
+    # rise time is left out after the one and before the other.
     begin = pulse.start + pulse.rise
     end = pulse.start + pulse.width - pulse.rise
     is_plateau = (bar.times >= begin) & (bar.times <= end)
@@ -574,8 +575,8 @@ def _block_sums(values: Floats, bar: InstrumentedBar) -> Floats:
 def _first_pulse_alone(bar: InstrumentedBar) -> Floats:
     """Strain at the first gauge, [sample], with zeros after the first pulse."""
     pulse = bar.first_pulse
-    # The width is measured at half height: the rise before and the fall after it add
-    # up to one rise time each.
+    # The width is measured at half height; the pulse may be longer by one rise time at
+    # either end.
     end = pulse.start + pulse.width + 2 * pulse.rise
     passing: Floats = np.where(bar.times < end, bar.strains[0], 0.0)
     return passing

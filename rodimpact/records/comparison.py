@@ -100,6 +100,8 @@ def misfit_of(
     """
     comparison = _Comparison(record, model, plateau(record.values), scale_range)
     if shift_range is None:
+        # Delayed by `low` the model ends where the record begins; delayed by `high` it
+        # begins where the record ends.
         low = record.times[0] - model.times[-1]
         high = record.times[-1] - model.times[0]
     else:
@@ -111,7 +113,7 @@ def misfit_of(
         shift = _best_shift(comparison, low, high, step)
         near_bound = AT_BOUND_RTOL * (high - low)
         if shift_range is None:
-            near_bound = step
+            near_bound = step  # the overlap is then a step or less
     best = comparison.with_shift(shift)
     at_limit = []
     if _is_at_bound(shift, low, high, near_bound):
@@ -214,13 +216,13 @@ def _best_shifts_on_grid(
     times = comparison.record.times
     n = int((times[-1] - times[0]) / step) + 1  # samples of the record
     n_shifts = int((high - low) / step) + 1
-    # For the shift high - j step the model is m[j : j + n], and power[j] is the sum of
-    # its squares.
+    # The record at the time t is compared with the model at t - shift. For the shift
+    # high - j step this is m[j : j + n], and power[j] is the sum of its squares.
     y_times = times[0] + step * np.arange(n)
     m_times = times[0] - high + step * np.arange(n + n_shifts - 1)
     y = comparison.record.at(y_times)
     m = comparison.model.at(m_times)
-    size = 1 << (len(m) - 1).bit_length()  # a power of two, no less than len(m)
+    size = 1 << (len(m) - 1).bit_length()  # the least power of two >= len(m)
     spectrum = np.fft.rfft(m, size) * np.conj(np.fft.rfft(y, size))
     product = np.fft.irfft(spectrum, size)[:n_shifts]  # sum(m y) for each j
     sums = np.concatenate(([0.0], np.cumsum(m * m)))  # sums[i] is the sum over m[:i]
@@ -229,8 +231,8 @@ def _best_shifts_on_grid(
     c = comparison.best_scale(product, power)
     # The term sum(y^2) is left out, since it is the same for all shifts.
     misfit = c * c * power - 2 * c * product
-    # A local minimum is not larger than either neighbour; the neighbours beyond the
-    # ends are inf.
+    # A local minimum is not larger than its left neighbour, padded[:-2], and its right
+    # one, padded[2:]; the neighbours beyond the ends are inf.
     padded = np.concatenate(([np.inf], misfit, [np.inf]))
     is_minimum = (misfit <= padded[:-2]) & (misfit <= padded[2:])
     minima = np.flatnonzero(is_minimum)

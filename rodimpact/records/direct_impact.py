@@ -60,7 +60,7 @@ class DirectImpactShot:
         """
         bar = self.output
         waves = waves_at_face(bar)
-        force = bar.stiffness * (waves.away + waves.towards)
+        force = bar.stiffness * (waves.away + waves.towards)  # N, at the bar's times
         # Before the impact no force acts; the record is noise.
         force[bar.times < self.times[0]] = 0.0
         input_velocity = self._speed() - self._lost_velocity(force)

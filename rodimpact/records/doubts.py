@@ -389,6 +389,7 @@ class _Delay(NamedTuple):
         be longer by up to `later`, s.
         """
         slack = TRAVEL_RTOL * travel
+        # `least` and `most` are the bounds of the observed delay.
         is_late = travel + slack + later < self.least
         is_early = self.most < travel - slack
         return is_late or is_early
@@ -465,7 +466,7 @@ def _reflected_onset(bar: InstrumentedBar) -> _Onset | None:
     record cuts the wave off.
     """
     incident = bar.first_pulse
-    passed = incident.start + incident.width + incident.rise  # the wave has gone by
+    passed = incident.start + incident.width + incident.rise  # end of the wave, s
     # A wave that returns to the gauge after both reflections, at the specimen and at
     # the struck end, has travelled twice the length of the bar, wherever the gauge is.
     returned = bar.pulse_start + 2 * float(bar.rod.length) / bar.speed
@@ -553,8 +554,8 @@ def _speed_of_echo(bar: InstrumentedBar) -> float | None:
     travel = path / bar.speed  # s
     slack = ECHO_SEARCH_RTOL * travel  # largest shift, s
     pulse = bar.first_pulse
-    # The width is measured at half height: the rise before and the fall after it add
-    # up to one rise time each.
+    # The width is measured at half height; the pulse may be longer by one rise time at
+    # either end.
     pulse_end = pulse.start + pulse.width + 2 * pulse.rise
     # The echo is expected between these times.
     echo_start = pulse.start + travel - slack

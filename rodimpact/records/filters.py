@@ -61,7 +61,7 @@ def blurred(values: Floats, dt: float, deviation: float) -> Floats:
 
 
 def amplified(values: Floats, dt: float, frequency: float, order: int) -> Floats:
-    """Values after a Butterworth amplifier, whose input was the first value before.
+    """Values after a Butterworth amplifier that has settled at the first value.
 
     The values are at equal steps of `dt`, s; the response is exact for straight lines
     between them. The gain is 1/sqrt(2) at the frequency, Hz; the order is 1 or 2.
@@ -165,7 +165,8 @@ def _filter(
         message = f"{dt!r} makes the filtered record longer than {MAX_SAMPLES} samples"
         remedy = "use resampled(dt) with a longer dt, or a shorter distance"
         raise invalid_argument("dt", f"{message}; {remedy}")
-    count = fft.next_fast_len(len(values) + 3 * margin, real=True)  # of the period
+    # Number of samples of the period: values, two margins and the curve back
+    count = fft.next_fast_len(len(values) + 3 * margin, real=True)
     first = values[0]
     last = values[-1]
     after = np.full(margin, last)

@@ -75,6 +75,7 @@ def heads_of(lines: list[str], form: NumberForm, count: int) -> list[Head]:
     """
     texts = []
     for line in lines:
+        # Without comment marks, blanks and delimiters at both ends
         text = line.strip(f"{COMMENT_MARKS} \t\r;,")
         if text:
             texts.append(text)
@@ -86,7 +87,8 @@ def heads_of(lines: list[str], form: NumberForm, count: int) -> list[Head]:
     if not rows:
         _check_no_heads(texts, form, count)
         return [Head(str(j + 1), "") for j in range(count)]
-    # A number as the head of a single column is allowed: it may be a name.
+    # A last row that begins with a number is not a row of heads. Only the head of a
+    # single column may be a number.
     if count > 1 and form.is_number(rows[-1][0]):
         raise FileFormatError(
             f"begins with a line that mixes {shown(rows[-1])} and numbers; complete or "
@@ -231,6 +233,7 @@ def _head_of(cell: str) -> Head:
     match = AT_THE_END.fullmatch(text)
     if match and match[1]:
         unit = spelt(match[2])
+        # The "1" of a name such as "gauge 1" is not a unit.
         in_si = known_units.conversion(unit)  # None for an unknown unit
         if in_si and known_units.dimension_of(in_si.unit) in MEASURED and unit != "1":
             return Head(one_line(match[1]), unit)

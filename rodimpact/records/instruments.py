@@ -91,6 +91,7 @@ def find_layout(lines: list[str]) -> Layout:
             return _labview_layout(index, cells, entries, mark)
     if lines[0].startswith(LECROY):
         return Layout(head="Time [s],Ampl [V]", table_line=as_written)
+    # Between sets, `>=` means that all these names are present.
     if len(lines) > 1 and set(_cells(lines[0])) >= RIGOL_HEADS:
         return _rigol_layout(_cells(lines[0]), _cells(lines[1]))
     if entries.keys() >= YOKOGAWA:
@@ -128,7 +129,8 @@ def _rigol_layout(heads: list[str], entries: list[str]) -> Layout:
             "both lines and give rate"
         ) from None
     channels = []
-    # The channels stand between x, the column 0, and start.
+    # The channels stand between x, the column 0, and start. Their names, such as CH1,
+    # were made small by `_cells`.
     for name, unit in zip(heads[1:start_column], entries[1:start_column], strict=True):
         channels.append(_head(name.upper(), spelt(unit)))
 
@@ -142,6 +144,7 @@ def _rigol_layout(heads: list[str], entries: list[str]) -> Layout:
         if not number.strip().isdecimal():
             return ""
         time = start + int(number) * step
+        # The row may have blank cells below start and increment.
         return ",".join([repr(time), *values[:channel_count]])
 
     head = ",".join([_head("time", "s"), *channels])
@@ -316,7 +319,7 @@ def _tektronix_layout(entries: Entries, is_beside: bool) -> Layout:
 
     def table_line(_: int, line: str) -> str:
         """The part of a line to the right of the columns of entries."""
-        return line.split(",", COLUMNS_BESIDE)[-1]
+        return line.split(",", COLUMNS_BESIDE)[-1]  # after the first commas
 
     head = _head_line([channel], units[:1], time_unit, mark=",")
     return Layout(head, table_line)

@@ -138,6 +138,7 @@ def mean_of_shots(shots: Sequence[Reduction], points: int = 201) -> MeanCurve:
         strain=strain,
         stress=np.mean(stresses, axis=0),
         strain_rate=np.mean(rates, axis=0),
-        scatter=np.std(stresses, axis=0, ddof=1),  # n - 1: the mean is estimated, too
+        # `ddof`: divided by n - 1, since the mean is taken from the same n shots
+        scatter=np.std(stresses, axis=0, ddof=1),
         shots=len(shots),
     )

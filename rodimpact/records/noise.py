@@ -20,10 +20,11 @@ def noise_of_bars(bars: InstrumentedBars, rng: np.random.Generator) -> Instrumen
 def noise_of_bar(bar: InstrumentedBar, rng: np.random.Generator) -> InstrumentedBar:
     """The bar with gauges that record nothing but noise, drawn by `rng`.
 
-    The noise of a gauge, at all times of the bar, is a block bootstrap of its record
-    before the pulse, less its own mean over as many samples. Blocks keep the
-    correlation of the noise. The mean over the rest was subtracted from the record,
-    which made its noise smaller: the result is enlarged to make up for it.
+    The noise of a gauge, at all times of the bar, consists of blocks of its record at
+    rest, drawn at random (block bootstrap). As in a record, the mean over the first
+    `rest_samples` is subtracted. Blocks keep the correlation of the noise. The record
+    itself has lost its mean over the rest, so its noise is too small: the result is
+    enlarged to make up for that.
     """
     block = max(2, bar.rest_samples // NOISE_BLOCKS)  # samples of a block
     count = len(bar.times)

@@ -76,6 +76,7 @@ def pulse_of(times: Floats, values: Floats) -> Pulse:
     # there passes the level at the time nan.
     v = np.concatenate(([-np.inf], sign * values, [-np.inf]))
     t = np.concatenate(([np.nan], times, [np.nan]))
+    # The plateau is taken from the samples around the largest one.
     top = _stretch_above(PLATEAU_RATIO * v.max(), t, v)
     level = plateau(v[top.samples])
     foot = _stretch_above(START_RATIO * level, t, v)  # only its rise is used
@@ -229,7 +230,7 @@ def extrapolated_onset(times: Floats, values: Floats, pulse: Pulse) -> float:
     is_low = relative[:end] < RISE_BEGIN_RATIO
     begin = 0
     if is_low.any():
-        begin = int(np.flatnonzero(is_low)[-1]) + 1
+        begin = int(np.flatnonzero(is_low)[-1]) + 1  # after the last low sample
     if end - begin < MIN_RISE_SAMPLES:
         return line_onset(times, values, pulse)
     rise_times = times[begin:end] - pulse.start

@@ -384,7 +384,7 @@ def _reduction(
     # `mode` is None for a bar without dispersion.
     disperses = all(bar.guide.mode for bar in bars)
     return Reduction(
-        **vars(curve),
+        **vars(curve),  # the fields that Reduction inherits from Curve
         stress_band=bands.stress,
         strain_band=np.hypot(bands.strain, strain_error),
         one_sample=one_sample,

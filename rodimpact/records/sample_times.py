@@ -72,7 +72,7 @@ def checked_times(
     place_of : function
         Line or sample of a row, for messages.
     stacklevel : int
-        Calls between the warning and the code that reads the file.
+        Level of the warning in the stack of calls, see `warnings.warn`.
 
     Warns
     -----

@@ -87,7 +87,7 @@ def bands_of(
     each call. Without a calibration (None) there are two errors. `report` is called
     with the number of draws done so far and the number of all draws.
     """
-    rng = np.random.default_rng(0)
+    rng = np.random.default_rng(0)  # a fixed seed: each call has the same draws
     noise_curves = []
     for k in range(NOISE_DRAWS):
         noise_curves.append(shot.with_noise_alone(rng).curve())
@@ -101,6 +101,7 @@ def bands_of(
         """Half width of the band of the column called `name`, [sample]."""
         column = getattr(curve, name)
         noises = [getattr(noise_curve, name) for noise_curve in noise_curves]
+        # The noise has the mean 0.
         variance = np.mean([noise**2 for noise in noises], axis=0)
         calibration_variance = 0.0
         for changed_curve in changed_curves:

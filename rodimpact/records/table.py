@@ -67,7 +67,7 @@ class Table:
         """
         self._text = TextFile(file)
         survey = self._text.survey
-        head = survey.head.split("\n")
+        head = survey.head.split("\n")  # the first lines
         layout = find_layout(head)
         if survey.characters > len(survey.head):
             head.pop()  # the last line, which the end of the head may cut off
@@ -196,7 +196,7 @@ class Table:
         for name, cell in zip_longest(self.names, cells, fillvalue=""):
             number = math.nan
             if self._form.is_number(cell):
-                number = float(cell.replace(",", "."))
+                number = float(cell.replace(",", "."))  # also from a decimal comma
             if not cell:
                 self._has_blanks = True
             elif not math.isfinite(number):
