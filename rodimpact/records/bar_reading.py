@@ -207,7 +207,7 @@ def _checked_gauges(name: str, gauges: Any, rod: Rod) -> list[BarGauge]:
     if isinstance(gauges, tuple | list):
         listed = list(gauges)
     length = float(rod.length)
-    distances = set()
+    distances = set()  # equal distances count once
     for gauge in listed:
         check_kind(name, gauge, BarGauge, GAUGE_EXAMPLE)
         distances.add(gauge.distance)
@@ -255,7 +255,7 @@ def _rest_samples(name: str, times: _Times, first: _Record) -> int:
     `first` is the record of the gauge at which the pulse arrives first. InvalidModel,
     which names the argument `name`, for fewer than `MIN_REST_SAMPLES`.
     """
-    # The number of samples at rest is not known yet: the level is that of the fewest.
+    # The number of samples at rest is not known yet: the first ones give the level.
     level = np.median(first.strain[:MIN_REST_SAMPLES])
     end = rest_end(times.values, first.strain - level, first.first_pulse)  # s
     count = int(np.searchsorted(times.values, end))

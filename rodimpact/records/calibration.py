@@ -501,7 +501,8 @@ def _at_output_gauge(input_bar: InstrumentedBar, output_bar: InstrumentedBar) ->
     the output bar, and the gains are not applied.
     """
     passing = _first_pulse_alone(input_bar)
-    # The two records may have different sample times and time steps.
+    # The two records may have different times and time steps: the pulse is interpolated
+    # to the times of the output bar, and propagated with its time step.
     pulse = np.interp(output_bar.times, input_bar.times, passing, left=0.0, right=0.0)
     with_steps_of_output = input_bar._replace(dt=output_bar.dt)
     at_joint = with_steps_of_output.propagated(pulse, float(input_bar.distances[0]))

@@ -148,6 +148,7 @@ class _Comparison:
         divided by the plateau of the record. The scale lies within `scale_range`.
         """
         values = self.record.values
+        # The delayed model at the time t is the model at t - shift.
         shifted = self.model.at(self.record.times - shift)
         scale = float(self.best_scale(shifted @ values, shifted @ shifted))
         residuals = scale * shifted - values

@@ -92,6 +92,7 @@ class DirectImpactShot:
             return integral(force, self.output.times) / float(striker.mass)
         guide = Waveguide(striker, self.output.dt)
         round_trip = 2 * float(striker.length)
+        # g and T(2 L) g
         leaving_strain = sum_of_passages(guide, force / guide.stiffness, round_trip)
         returned_strain = guide.propagated(leaving_strain, round_trip)
         return guide.speed * (leaving_strain + returned_strain)

@@ -249,6 +249,7 @@ def _unlike_opposite_gauges(bar: InstrumentedBar) -> Iterator[str]:
         mean = (pair.signal + pair.opposite) / 2
         signal_share = float(pair.signal @ mean)
         opposite_share = float(pair.opposite @ mean)
+        # `weaker` and `stronger` are names of arguments of BarGauge, for the message.
         if signal_share > opposite_share:
             weaker = "opposite"
             stronger = "signal"

@@ -125,7 +125,7 @@ def waves_with_free_end(bar: InstrumentedBar) -> Waves:
     strain = from_pulse(bar, 0)
     distance = float(bar.distances[0])
     length = float(bar.rod.length)
-    gauge_at_face = bar.propagated(strain, -distance)
+    gauge_at_face = bar.propagated(strain, -distance)  # T(-z) e
     # Waves that leave the face later reach the gauge after the end of its record.
     gauge_at_face[bar.times > bar.known_until[0]] = 0.0
     away = sum_of_passages(bar.guide, gauge_at_face, 2 * (length - distance))
@@ -143,8 +143,8 @@ def _incident_wave(bar: InstrumentedBar, face_strain: Floats) -> Floats:
     """
     distance = float(bar.distances[0])
     gauge_strain = from_pulse(bar, 0)
-    gauge_at_face = bar.propagated(gauge_strain, distance)
-    face_strain_later = bar.propagated(face_strain, 2 * distance)
+    gauge_at_face = bar.propagated(gauge_strain, distance)  # T(z) e
+    face_strain_later = bar.propagated(face_strain, 2 * distance)  # T(2 z) f
     return sum_of_passages(
         bar.guide, gauge_at_face - face_strain_later, distance=2 * distance
     )

@@ -40,7 +40,7 @@ def gaussian(values: Floats, dt: float, frequency: float) -> Floats:
     """
     # The response lasts 1/frequency before and after: 7.5 standard deviations.
     tail = math.ceil(min(1 / dt / frequency, MAX_SAMPLES))  # samples
-    exponent = math.log(2) / 2  # exp(-exponent) is 1/sqrt(2)
+    exponent = math.log(2) / 2  # the gain at `frequency` is exp(-exponent) = 1/sqrt(2)
 
     def gain(f: Floats) -> Floats:
         gains: Floats = np.exp(-exponent * (f / frequency) ** 2)

@@ -230,7 +230,7 @@ def _keysight_layout(first_line: str, entries: Entries) -> Layout:
             "has a column of times for each channel or segment; save each channel in a "
             "file of its own"
         )
-    names = [cell for cell in first_line.split(",") if cell.strip(' "')]
+    names = [cell for cell in first_line.split(",") if cell.strip(' "')]  # not blank
     channel = "Channel 1"
     if names and not KEYSIGHT_ENTRY.match(names[-1].strip(' "')):
         channel = names[-1].strip(' "')

@@ -75,7 +75,7 @@ def write_signals(
             columns.append(signal.values)
     if problems:
         raise InvalidModel(problems)
-    write_table(path, headers, [columns], force=force)
+    write_table(path, headers, [columns], force=force)  # all rows in one block
 
 
 @explain_arguments

@@ -61,7 +61,7 @@ class NumberForm(NamedTuple):
         return list(map(str.strip, row))
 
     def count_numbers(self, line: str) -> int:
-        """Count of numbers in a line; 0 if any cell is blank or not a number."""
+        """Count of numbers in a line; 0 for a blank line, or one with another cell."""
         cells = self.cells(line)
         if all(map(self.is_number, cells)):
             return len(cells)

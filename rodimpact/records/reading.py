@@ -277,6 +277,7 @@ def _signals(
         if clipping:
             # Level 4 is the user's call of `read_signals`.
             warnings.warn(clipping, ClippedSignal, stacklevel=4)
+        # A shorter channel has the first of the times.
         signals[name] = signal_of(values, times[: len(values)], si_unit, name)
     return signals
 
@@ -304,7 +305,7 @@ def _time_column(table: ColumnTable, time: str | None) -> int:
         candidates = [_first_increasing(table)]
     is_single_known_column = len(candidates) == 1 and candidates[0] in table.names
     if not is_single_known_column or len(table.names) < 2:
-        heads = ", ".join(map(shown, table.names[:8]))
+        heads = ", ".join(map(shown, table.names[:8]))  # enough for a message
         raise FileFormatError(
             f"must have one column called {shown(expected)} and another one, has "
             f"{heads}; give the head of one as time=, or give rate=, the sampling rate "

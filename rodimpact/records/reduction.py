@@ -219,6 +219,7 @@ class Reduction(Curve):
         strain, all while loading. "-" stands for an equilibrium of nan.
         """
         at_peak = self.verdict.strain_at_peak
+        # The last strain of the loading is the largest one.
         strains = table_strains(at_peak, float(self.strain[self.loading][-1]))
         columns = {}
         for name in TABLE_COLUMNS:

@@ -46,7 +46,7 @@ def waves_at_face(bar: InstrumentedBar) -> Waves:
         return _from_two_gauges(bar)
     strain = bar.strains[0]
     distance = bar.distances[0]
-    away = bar.propagated(strain, -distance)
+    away = bar.propagated(strain, -distance)  # it was at the face before
     if bar.is_output:
         return Waves(np.zeros(len(strain)), away)
     # Time at which the reflected wave reaches the gauge, s, and the index of its sample
@@ -76,9 +76,10 @@ def _from_two_gauges(bar: InstrumentedBar) -> Waves:
     apart = far_distance - near_distance  # D
     near_strain = from_pulse(bar, near)
     far_strain = from_pulse(bar, far)
-    base_of_away = near_strain - bar.propagated(far_strain, apart)
-    base_of_towards = far_strain - bar.propagated(near_strain, apart)
-    away_at_near = sum_of_passages(bar.guide, base_of_away, 2 * apart)
+    base_of_away = near_strain - bar.propagated(far_strain, apart)  # en - T(D) ef
+    base_of_towards = far_strain - bar.propagated(near_strain, apart)  # ef - T(D) en
+    away_at_near = sum_of_passages(bar.guide, base_of_away, 2 * apart)  # T(zn) a
+    # T(-zf) i
     towards_at_far = sum_of_passages(bar.guide, base_of_towards, 2 * apart)
     return Waves(
         towards=bar.propagated(towards_at_far, far_distance),

@@ -129,7 +129,7 @@ def high_frequency_power(column: Floats, resolution: Resolution) -> Floats:
     octave_start = resolution.cut_off / 2
     low = Signal(column, dt=dt).low_pass(octave_start).values
     period = math.ceil(1 / octave_start / dt)  # longest period of the octave, samples
-    width = min(2 * period + 1, len(column))
+    width = min(2 * period + 1, len(column))  # odd, so the mean is centred
     window = np.full(width, 1 / width)
     power: Floats = np.convolve((column - low) ** 2, window, "same")
     return power

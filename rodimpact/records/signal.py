@@ -125,7 +125,7 @@ class Signal(Frozen):
                 "unit", f"{message}{si_unit}, multiplied by {factor:g}"
             )
         v = _samples("values", values, unit)
-        if (times is None) == (dt is None):
+        if (times is None) == (dt is None):  # both or neither are given
             raise invalid_argument(
                 "times", "give either the times, or dt between two samples"
             )
@@ -219,7 +219,7 @@ class Signal(Frozen):
             If a time lies outside the record, `dt` makes fewer than two samples or too
             many, or if both or neither of `dt` and `times` are given.
         """
-        if (dt is None) == (times is None):
+        if (dt is None) == (times is None):  # both or neither are given
             raise invalid_argument("dt", "give either dt or times")
         if times is None:
             step = scalar("dt", dt, "s", "positive")
@@ -320,7 +320,7 @@ class Signal(Frozen):
 
         Examples
         --------
-        A pulse through an amplifier of 100 kHz: 1 - exp(-2 pi f t).
+        A step through an amplifier of 100 kHz becomes 1 - exp(-2 pi f t):
 
         >>> step = Signal([0.0, *[1.0] * 99], dt=1e-7)
         >>> round(step.low_pass(100e3, "first-order").at(50e-7), 3)
@@ -438,7 +438,7 @@ class Signal(Frozen):
         return signal * scalar("scale", scale, "") + scalar("offset", offset, self.unit)
 
     def pulse(self) -> Pulse:
-        """Timing of the pulse with the largest sample.
+        """Timing of the pulse that contains the largest absolute value.
 
         Cut other pulses off with `window`.
 
@@ -481,8 +481,8 @@ class Signal(Frozen):
         Returns
         -------
         Misfit
-            Its `rms` is the root mean square divided by the plateau of this signal. The
-            plateau is the median of the samples above 0.7 of the largest.
+            Its `rms` is the root mean square of the difference, divided by the plateau
+            of this signal: the median of the samples above 0.7 of the largest.
 
         Raises
         ------
@@ -577,7 +577,8 @@ class Signal(Frozen):
         """
         name = self.name if self.name else "signal"
         headers = (heading("time", "s"), heading(name, self.unit))
-        write_table(path, headers, [(self.times, self.values)], force=force)
+        columns = (self.times, self.values)
+        write_table(path, headers, [columns], force=force)  # all rows in one block
 
     def to_dataframe(self) -> Any:
         """The signal as a pandas DataFrame (extra ``dataframe``).
@@ -626,8 +627,9 @@ class Signal(Frozen):
         Raises
         ------
         ValueError
-            If the DataArray does not have one dimension, or units are missing or
-            unknown. It may be an InvalidModel, which is a ValueError.
+            If the DataArray does not have one dimension, if units are missing or
+            unknown, or if the coordinate is not a time. The error may be an
+            InvalidModel, which is a ValueError.
         """
         if len(getattr(data, "dims", ())) != 1:
             raise invalid_argument(

@@ -79,6 +79,7 @@ class Table:
         self._count = self._form.count_numbers(lines[start.line])  # of columns
         self._has_blanks = False  # whether a cell is blank; `_checked` sets it
         above = lines[: start.line]
+        # `heads_of` looks at the last lines first: the head from entries comes last.
         if layout.head:
             above.append(layout.head)
         heads = heads_of(above, self._form, self._count)
@@ -113,10 +114,12 @@ class Table:
         """Numbers of each column, read in blocks of rows.
 
         Blank cells at the end of a column are cut off. FileFormatError for a cell that
-        is not a finite number, and for a blank cell elsewhere.
+        is not a finite number, and for a blank cell elsewhere. `report` is called with
+        the number of characters read so far and the total number.
         """
         survey = self._text.survey
         most_rows = survey.lines - self._first  # fewer if there are blank lines
+        # Filled block by block; the unused ends are cut off below.
         columns = [np.empty(most_rows) for _ in range(self._count)]
         rows = self._rows()
         filled = 0  # number of rows read so far

@@ -128,8 +128,8 @@ class TwoBarShot:
             residuals,
             x0=(0.0, 0.0),
             bounds=(-limit, limit),
-            diff_step=1e-3,
-            x_scale=self.bars.input.dt,
+            diff_step=1e-3,  # relative step of a shift, for derivatives
+            x_scale=self.bars.input.dt,  # typical size of a shift, s
         )
         return replace(self, shifts=Shifts(*solution.x.tolist()))
 

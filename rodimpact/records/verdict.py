@@ -122,7 +122,7 @@ def verdict_of(curve: Curve, impedance: float, rise: float) -> Verdict:
     is_balanced = balanced_samples >= MIN_BALANCED_RATIO * plateau.sum()
     in_equilibrium: bool | None = bool(is_balanced)
     equilibrium_from = math.nan
-    if resolution > EQUILIBRIUM_RTOL:
+    if resolution > EQUILIBRIUM_RTOL:  # the error of F1 exceeds the bound
         in_equilibrium = None
         sentence = (
             "equilibrium cannot be judged: F1 is the difference of two waves, each "
