@@ -350,8 +350,8 @@ def _least_squares(pair: _Pair) -> _SearchEnd:
     def jacobian(x: Floats) -> Floats:
         """Derivatives of the residuals by the variables x, [compared sample, variable].
 
-        Those by speed and nu are finite differences; those by gain and offset, which
-        enter linearly, are exact.
+        The derivatives by speed and nu are finite differences. The derivatives by gain
+        and offset are exact, since the residuals are linear in these.
         """
         numbers = numbers_at(x)
         predicted = pair.prediction(numbers.speed, numbers.nu)

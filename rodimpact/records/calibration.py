@@ -396,7 +396,7 @@ def _with_input_speed(input_bar: InstrumentedBar, output: _Timed) -> _Timed:
     relative_error = output.speed_error / output_bar.speed
     # The travel time in the output bar is path/speed: it has the same relative error.
     output_time_error = relative_error * output_path / output_bar.speed
-    # As speed = path/time, its error is speed^2/path times that of the time.
+    # The speed is path/time, so its error is speed^2/path times the error of the time.
     speed_error_from_output = timed.bar.speed**2 / input_path * output_time_error
     speed_error = math.hypot(timed.speed_error, speed_error_from_output)
     return timed._replace(speed_error=speed_error)
@@ -442,11 +442,11 @@ def _fit_wave_speed(
         bar = bar._replace(rod=with_speed(bar.rod, measured_speed))
     # Noise of the standard deviation s shifts a pulse by s/sqrt(sum of slope^2). The
     # factor sqrt(2): the prediction has the same noise, as it is made from a record.
-    # The differences `first` to `last` - 1 are those between samples of the pulse.
+    # Slopes between the samples `first` to `last` of the pulse
     slopes = np.diff(predicted)[first:last] / recording.dt
     steepness = math.sqrt(float(slopes @ slopes))
     arrival_error = _noise(recording) * math.sqrt(2) / steepness
-    # As speed = path/time, its error is speed^2/path times that of the time.
+    # The speed is path/time, so its error is speed^2/path times the error of the time.
     return _Timed(bar, arrival_error * bar.speed**2 / path)  # bar, speed_error
 
 
@@ -463,7 +463,7 @@ def _check_record_end(recording: InstrumentedBar, last: int, magnitude: Floats) 
     pulse = recording.first_pulse
     is_half = magnitude >= 0.5 * abs(pulse.plateau)
     half = int(np.argmax(is_half))  # index of the first such sample; 0 if there is none
-    # From half height on, the pulse lasts its width and the rest of its fall.
+    # After half height the pulse lasts for its width and for the rest of its fall.
     needed = max(recording.times[half], end) + pulse.width + 2 * pulse.rise
     message = f"the record ends at {end:.4g} s, before the pulse returns"
     remedy = f"from the far end; record up to {needed:.4g} s"
@@ -544,8 +544,8 @@ def _plateau_error(bar: InstrumentedBar) -> float:
     than two samples, the error is the noise divided by the plateau.
     """
     pulse = bar.first_pulse
-    # `pulse.start` is on the rise, and the end of `pulse.width` about on the fall: one
-    # rise time is left out after the one and before the other.
+    # The pulse rises at `pulse.start` and falls about one `pulse.width` later. One rise
+    # time is left out at each of these two ends.
     begin = pulse.start + pulse.rise
     end = pulse.start + pulse.width - pulse.rise
     is_plateau = (bar.times >= begin) & (bar.times <= end)

@@ -168,7 +168,8 @@ def check_striker(striker: Any) -> None:
         message = "must be a rigid mass or a uniform rod, a single one, such as"
         raise invalid_argument("striker", f"{message} {example}, got {shown(striker)}")
     velocity = np.asarray(striker.velocity)
-    is_number = velocity.ndim == 0 and velocity.dtype != object  # no profile
+    # A velocity profile becomes an array of the dtype object.
+    is_number = velocity.ndim == 0 and velocity.dtype != object
     if not is_number or not velocity > 0:
         message = "must have a velocity above 0, its speed at the impact"
         raise invalid_argument("striker", f"{message}, got {shown(striker.velocity)}")

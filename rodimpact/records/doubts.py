@@ -475,14 +475,14 @@ def _reflected_onset(bar: InstrumentedBar) -> _Onset | None:
     strain = bar.strains[0][between]
     times = bar.times[between]
     is_faint = np.abs(strain) < MIN_REFLECTED_RATIO * abs(incident.plateau)
-    # `is_behind` is true from the first faint sample on: the samples before it are the
-    # end of the incident wave.
-    is_behind = np.logical_or.accumulate(is_faint)
-    stands_out = not is_faint[is_behind].all()  # also false if no sample is behind
+    # The samples before the first faint one are the end of the incident wave.
+    is_after_incident = np.logical_or.accumulate(is_faint)
+    # Also false if there is no faint sample
+    stands_out = not is_faint[is_after_incident].all()
     if not stands_out:
         return None
-    strain = strain[is_behind]
-    times = times[is_behind]
+    strain = strain[is_after_incident]
+    times = times[is_after_incident]
     try:
         pulse = first_part(times, strain)
     except ValueError:

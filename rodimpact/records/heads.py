@@ -75,7 +75,7 @@ def heads_of(lines: list[str], form: NumberForm, count: int) -> list[Head]:
     """
     texts = []
     for line in lines:
-        # Without comment marks, blanks and delimiters at both ends
+        # Comment marks, blanks and delimiters at both ends are left out.
         text = line.strip(f"{COMMENT_MARKS} \t\r;,")
         if text:
             texts.append(text)
@@ -144,10 +144,10 @@ def _told_apart(heads: list[Head], rows: list[list[str]]) -> list[Head]:
         names = [_head_of(cell).name for cell in row]
         are_different = len(set(names)) == len(names)
         if are_different:
-            told_apart = []
+            renamed = []
             for head, name in zip(heads, names, strict=True):
-                told_apart.append(head._replace(name=name))
-            return told_apart
+                renamed.append(head._replace(name=name))
+            return renamed
     return heads
 
 

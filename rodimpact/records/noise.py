@@ -37,7 +37,7 @@ def noise_of_bar(bar: InstrumentedBar, rng: np.random.Generator) -> Instrumented
         noise = strain[samples].ravel()[:count]
         baseline = noise[: bar.rest_samples].mean()
         drawn.append(noise - baseline)
-    # The rest has the mean 0, so sums over blocks vary less than those of the true
-    # noise, by this factor.
+    # The record at rest has the mean 0. So sums over its blocks vary less, by this
+    # factor, than sums over blocks of the true noise.
     shrinkage = math.sqrt(1 - block / bar.rest_samples)
     return bar._replace(strains=np.array(drawn) / shrinkage)

@@ -210,7 +210,7 @@ def line_onset(times: Floats, values: Floats, pulse: Pulse) -> float:
     plateau.
     """
     until_fifth = _time_at_fifth(times, values, pulse) - pulse.start
-    # From zero to a tenth the line needs as long as from a tenth to a fifth.
+    # The line rises from zero to a tenth in the same time as from a tenth to a fifth.
     return float(pulse.start - until_fifth)
 
 
@@ -222,11 +222,11 @@ def extrapolated_onset(times: Floats, values: Floats, pulse: Pulse) -> float:
     later ones.) The result is `line_onset` if the rise has fewer than
     `MIN_RISE_SAMPLES`, or if the parabola has no zero before the end of the rise.
     """
-    # In parts of the plateau, positive in the pulse
+    # Values divided by the plateau, positive in the pulse
     relative = np.sign(pulse.plateau) * values / abs(pulse.plateau)
     # The rise has the samples from `begin` to `end` - 1.
-    is_behind_rise = (times > pulse.start) & (relative >= RISE_END_RATIO)
-    end = int(np.argmax(is_behind_rise))  # the first such sample
+    is_after_rise = (times > pulse.start) & (relative >= RISE_END_RATIO)
+    end = int(np.argmax(is_after_rise))  # the first such sample
     is_low = relative[:end] < RISE_BEGIN_RATIO
     begin = 0
     if is_low.any():

@@ -145,8 +145,8 @@ def _are_rounded(times: Floats, steps: Floats) -> bool:
     # `last_digit` is about as long as the shortest step.
     if is_rare and shortest < MIN_GAP_RATIO * last_digit:
         return False
-    # Repeated times are a sign of rounding in themselves. Without any, each step must
-    # be the shortest or the longest one.
+    # Repeated times are a sign of rounding in themselves. If no times repeat, each step
+    # must be the shortest or the longest one.
     if not has_repeats:
         is_short = steps - shortest < DIGIT_RTOL * last_digit
         is_long = shortest + last_digit - steps < DIGIT_RTOL * last_digit

@@ -39,7 +39,7 @@ from .comparison import Bounds, Misfit, Range, TimeSeries, misfit_of
 from .pulses import Pulse, pulse_of
 
 EQUAL_STEP_RTOL = 0.05
-"""Largest difference between a time and the one of equal steps, divided by the step.
+"""Largest difference of a time from the time with equal steps, divided by the step.
 
 Times are rounded in files.
 """

@@ -109,8 +109,8 @@ class TwoBarShot:
         def residuals(shifts: Floats) -> Floats:
             """Imbalance, and deviation from the elastic line, at the start, [number].
 
-            Both are stresses divided by the largest stress, in one array. Without a
-            Young's modulus it is the imbalance alone.
+            Both are stresses divided by the largest stress, in one array. If the
+            specimen has no Young's modulus, the array holds the imbalance alone.
             """
             nonlocal curves
             curves += 1
