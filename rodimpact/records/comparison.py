@@ -14,7 +14,7 @@ Range: TypeAlias = tuple[float, float]
 """Lower and upper bound."""
 
 MAX_GRID_SAMPLES = 1 << 16
-"""Largest number of steps of a record and of all its shifts in the search on a grid."""
+"""Largest number of grid steps in the record and the range of shifts together."""
 NEGLIGIBLE_POWER_RTOL = 1e-12
 """Sum of squares of a shifted model, over that of the whole model, that counts as 0.
 

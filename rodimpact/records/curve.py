@@ -91,9 +91,9 @@ class Faces(NamedTuple):
     """
 
     input_force: Floats  # N
-    output_force: Floats
+    output_force: Floats  # N
     input_velocity: Floats  # m/s
-    output_velocity: Floats
+    output_velocity: Floats  # m/s
 
 
 def curve_of(faces: Faces, specimen: Specimen, times: Floats) -> Curve:

@@ -160,7 +160,7 @@ def gauges_of(pulses: CutPulses, rods: Rods) -> GaugePair:
 
 
 def _speed_of(rod: Rod) -> float:
-    """Bar speed of a uniform rod, m/s."""
+    """Bar speed c0 of a uniform rod, m/s."""
     return float(rod.segments[0].wave_speed)
 
 

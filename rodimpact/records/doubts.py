@@ -46,7 +46,7 @@ MIN_STATION_RATIO = 0.8
 Such gauges differ by some percent, and by a tenth each if bending is not cancelled.
 """
 TRAVEL_RTOL = 0.05
-"""Bounds the error of a predicted arrival, over the predicted travel time.
+"""Largest error of a predicted travel time, divided by this time.
 
 Wave speeds from tables are off by 2 or 3 %, and distances by 1 % with the length of a
 gauge.
@@ -76,12 +76,13 @@ ECHO_SEARCH_RTOL = 0.1
 MIN_WORSE_IMBALANCE = 0.05
 """Imbalance over all loading below which an alignment never counts as worse."""
 WORSE_IMBALANCE_RATIO = 1.5
-"""Imbalance after an alignment divided by that before it, above which it is worse.
+"""Largest ratio of the imbalance with an alignment to that without it.
 
-Both imbalances are taken over all loading.
+If the ratio is larger, the alignment counts as worse. Both imbalances are taken over
+all loading.
 """
 SHIFT_LIMIT_RTOL = 0.01
-"""A shift nearer to the limit of its search than this part of the limit is at it."""
+"""Distance of a shift from its limit, over the limit, that counts as at the limit."""
 IMBALANCE_LIMIT = 0.15
 """Largest median of abs(F1 - F2) over the plateau, relative to the mean force.
 

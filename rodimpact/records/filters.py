@@ -50,10 +50,10 @@ def gaussian(values: Floats, dt: float, frequency: float) -> Floats:
 
 
 def blurred(values: Floats, dt: float, deviation: float) -> Floats:
-    """Values after a Gaussian filter whose response has a standard deviation, s.
+    """Values after a Gaussian filter whose response has the standard deviation given.
 
-    The values are at equal steps of `dt`, s. The gain at the frequency f is
-    exp(-(2 pi f deviation)^2/2).
+    `deviation` and the equal steps `dt` of the values are in s. The gain at the
+    frequency f is exp(-(2 pi f deviation)^2/2).
     """
     # This gain is 1/sqrt(2) if 2 pi f deviation = sqrt(ln 2).
     frequency = math.sqrt(math.log(2)) / (2 * math.pi * deviation)

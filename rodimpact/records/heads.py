@@ -152,7 +152,7 @@ def _told_apart(heads: list[Head], rows: list[list[str]]) -> list[Head]:
 
 
 def _has_times(heads: list[Head]) -> bool:
-    """Whether a column is called time or t."""
+    """Whether the name of a column is time or t."""
     return any(TIMES.fullmatch(head.name) for head in heads)
 
 

@@ -26,11 +26,11 @@ class InstrumentedBar(NamedTuple):
     """
 
     rod: Rod
-    is_output: bool
+    is_output: bool  # whether it is the output bar
     gauges: tuple[BarGauge, ...]
     first_pulses: tuple[Pulse, ...]  # one at each gauge
     distances: Floats  # [gauge], m from the specimen
-    strains: Floats  # [gauge, sample]
+    strains: Floats  # [gauge, sample], minus the level at rest
     times: Floats  # s
     dt: float  # s
     rest_samples: int  # number of samples at rest before the first pulse

@@ -105,7 +105,7 @@ class _Stretch(NamedTuple):
 
     samples: slice
     rises: float  # time at which the pulse rises through the level, s
-    falls: float  # time at which it falls through the level, s
+    falls: float  # time at which the pulse falls through the level, s
 
 
 def _stretch_above(level: float, times: Floats, values: Floats) -> _Stretch:

@@ -49,7 +49,7 @@ class Shot(Protocol):
 class Resolution(NamedTuple):
     """Time step and highest frequency of the records."""
 
-    dt: float  # time step of the output bar, s
+    dt: float  # time step of the curve, s
     cut_off: float  # highest frequency that bars and records carry, Hz
 
 

@@ -131,8 +131,8 @@ def verdict_of(curve: Curve, impedance: float, rise: float) -> Verdict:
             f"{_percent(imbalance)} of it on the plateau"
         )
     elif in_equilibrium:
-        # Equilibrium begins before the first balanced sample of the plateau, if the
-        # samples right before it are balanced, too.
+        # The first balanced sample of the plateau, or an earlier one: balanced samples
+        # right before the plateau count as well.
         first = int(is_equal_on_plateau.argmax())
         while first > 0 and balance.is_equal[first - 1]:
             first -= 1
