@@ -1,9 +1,9 @@
-"""Numbers of a case that vary: the text "0.1:1:200" becomes an array.
+"""Numbers of a case that vary: grids such as "0.1:1:200", and ties to other numbers.
 
-A list or an array of values does so, too. The array lies along an axis of its own. A
-number may be tied to another one that varies, by a factor: "2.5 mm*bodies.1.mass". It
-has no axis of its own. A name that is no number of the case, such as R, is a variable
-if another number is tied to it.
+A grid is a text, a list or an array; it becomes an array of values along an axis of its
+own. A number may be tied to another one that varies by a factor, as in
+"2.5 mm*bodies.1.mass"; it varies along the axis of that number. A name that is not a
+number of the case, such as R, is a variable if a number is tied to it.
 """
 
 import re
@@ -22,7 +22,7 @@ from ..units import shown
 VARIABLE = re.compile(r"[A-Za-z]\w*")
 """Name of a variable to which numbers may be tied."""
 CASE_NUMBER_PATTERN = re.compile(r"\b(bodies|contacts|ends|materials|gravity)\b")
-"""What begins the path of a number in the text of a tie."""
+"""Words with which the path of a number of the case begins."""
 FORM = "start:stop:count, start:stop:count:log or a list such as 0.1,0.2,0.4"
 SPACED = re.compile(
     r"(?P<start>[^:]*):(?P<stop>[^:]*):\s*(?P<count>[0-9]{1,20})\s*(?P<log>:\s*log\s*)?"
@@ -30,10 +30,10 @@ SPACED = re.compile(
 
 
 class Varied(NamedTuple):
-    """A number of a case, or a variable, that runs through a grid.
+    """A number of a case, or a variable, with the values of its grid.
 
-    path : such as ``bodies.0.length``, or the name of a variable; values : array of
-    shape (n,), in `unit`; unit : of SI, "" for a pure number.
+    path : path of the number, such as ``bodies.0.length``, or name of the variable;
+    values : array of shape (n,), in `unit`; unit : SI unit, "" for a pure number.
     """
 
     path: str
@@ -42,19 +42,21 @@ class Varied(NamedTuple):
 
 
 class Grid:
-    """The text or the list of a grid, which stands in for the number at a path.
+    """A grid (text, list or array), which replaces the number at a path.
 
     Attributes
     ----------
+    path : str
+    text : str, list or array
     varied : Varied or None
-        The values, once the number is read and its dimension is known.
+        The values; None until the number is read and its dimension is known.
     """
 
     def __init__(self, path: str, text: Any, shape: list[int]) -> None:
-        """Keep the path, the text and the shape of the array of values.
+        """Store the path, the text, and the shape to which values are reshaped.
 
-        The shape is for `reshape`: -1 along the axis of this grid, 1 along the others.
-        The values follow when the number is read, see `varied`.
+        The shape is -1 along the axis of this grid and 1 along all others. The values
+        are not computed here, see `array`.
         """
         self.path = path
         self.text = text
@@ -62,29 +64,29 @@ class Grid:
         self._shape = shape
 
     def array(self, dimension: str) -> Number:
-        """Values of the number in SI units, along the axis of this grid.
+        """Values of the number in SI units, as an array along the axis of this grid.
 
-        They are kept in `varied`, too. ValueError if the text is no grid.
+        They are stored in `varied`, too. ValueError if the text is not a grid.
         """
         values = grid_values(self.text, dimension)
         self.varied = Varied(self.path, values, units.si_unit(dimension))
         return values.reshape(self._shape)
 
     def along_axis(self, values: Floats) -> Number:
-        """Values of a number that is tied to this one, shaped to lie along its axis."""
+        """Reshape values, (n,), of a tied number to lie along the axis of this grid."""
         return values.reshape(self._shape)
 
     def amounts(self) -> Varied:
-        """Path, values and SI unit of the grid, by the unit of its first value.
+        """Path, values and SI unit of the grid; its first value has the unit.
 
-        The dimension need not be known, as for a variable. Nothing is kept. ValueError
-        if the text is no grid.
+        Unlike `array`, this needs no dimension, which is unknown for a variable.
+        `varied` is not changed. ValueError if the text is not a grid.
         """
         items = _listed_values(self.text)
-        if isinstance(self.text, str):
+        if isinstance(self.text, str):  # [first value, all the rest]
             items = re.split("[:,]", self.text, maxsplit=1)
         unit = ""
-        # A first value that is no text is in SI units, or is refused below.
+        # A first value that is not text is in SI units, or `grid_values` refuses it.
         if items and isinstance(items[0], str):
             unit = units.read_amount(items[0]).unit
         values = grid_values(self.text, units.dimension_of(unit))
@@ -92,38 +94,40 @@ class Grid:
 
 
 class Tie:
-    """The text of a number that is tied to one that varies, and stands in for it.
+    """The text that ties a number to one that varies; it replaces the number.
 
     Attributes
     ----------
     path : str
+        Path of the tied number.
     source : Grid
         Grid of the number, or of the variable, to which it is tied.
     """
 
     def __init__(self, path: str, text: str, source: Grid) -> None:
-        """Keep the path, the text and its parts around the path of the source.
+        """Store the path, the source, and the parts of the text around its path.
 
-        The text must be a product with this path, as `_source_of` has found.
+        The text must be a product with the path of the source, as `_source_of` finds.
         """
         self.path = path
         self.source = source
         self._text = text
-        self._dimension = ""  # that of the tied number, once it is read
+        self._dimension = ""  # dimension of the tied number, set when it is read
         parts = _parts_of_tie(text, source.path)
-        assert parts is not None
+        assert parts is not None  # the text is a tie to this source
         self._parts = parts
 
     def array(self, dimension: str) -> Number:
-        """Values of the tied number in SI units, along the axis of the source.
+        """Values of the tied number in SI units, as an array along the source's axis.
 
-        They are the values of the source, times the factors or over the divisor of the
-        text. The dimension is only kept: `wrong_unit` compares it. ValueError for a
-        source or factor that cannot be read, or a divisor of 0.
+        They are the values of the source, times the factors and divided by the divisor
+        of the text. The dimension is stored for `wrong_unit`, and is not checked here.
+        ValueError if the source or a factor cannot be read, or if the divisor is 0.
         """
         self._dimension = dimension
         parts = self._parts
-        values = self.source.amounts().values  # anew: the source may be read later
+        # `source.varied` may still be None: the number of the source may be read later.
+        values = self.source.amounts().values
         if parts.factor:
             values = values * units.read_amount(parts.factor).value
         if parts.operator == "*":
@@ -136,18 +140,18 @@ class Tie:
         return self.source.along_axis(values)
 
     def wrong_unit(self) -> str:
-        """End of a sentence on a unit that the tied number cannot have; "" if it can.
+        """Message if the product has another unit than the tied number; else "".
 
-        The source and the tied number must have been read. A variable without unit may
-        stand for any quantity, as any bare number of a case. A unit with a power that
-        is no number, such as N/m^p, is not checked.
+        The source and the tied number must have been read. Two cases are not checked: a
+        variable without a unit, whose values may be any quantity in SI units, and a
+        unit with a power that is not a number, such as N/m^p.
         """
-        assert self.source.varied is not None
+        assert self.source.varied is not None  # the source has been read
         source_unit = self.source.varied.unit
         if source_unit == "" and VARIABLE.fullmatch(self.source.path):
             return ""
         wanted_unit = units.si_unit(self._dimension)
-        # Powers of the symbols of a unit; `multiply_unit` changes them in place.
+        # Powers by symbol of a unit; `multiply_unit` changes these dicts in place.
         powers: dict[str, float] = {}
         wanted_powers: dict[str, float] = {}
         try:
@@ -161,7 +165,7 @@ class Tie:
             units.multiply_unit(powers, factor_unit, 1)
         if parts.operand:
             operand_unit = units.read_amount(parts.operand).unit
-            sign = 1
+            sign = 1  # sign of the powers
             if parts.operator == "/":
                 sign = -1
             units.multiply_unit(powers, operand_unit, sign)
@@ -175,16 +179,16 @@ class Tie:
 
 
 def _in_unit(unit: str) -> str:
-    """Words of a sentence on a quantity: "in m/s", or "a pure number"."""
+    """Words of a message on a unit: "in m/s", or "a pure number" for ""."""
     if unit == "":
         return "a pure number"
     return f"in {unit}"
 
 
 class TieParts(NamedTuple):
-    """Parts of the text of a tie, factor * name operator operand.
+    """Parts of the text of a tie: "factor*name operator operand".
 
-    A part that is missing is "".
+    The operator is "*" or "/". A missing part is "".
     """
 
     factor: str
@@ -193,11 +197,11 @@ class TieParts(NamedTuple):
 
 
 def _parts_of_tie(text: str, name: str) -> TieParts | None:
-    """Parts of a text before and after the name of another number.
+    """Parts of the text of a tie before and after the name of another number.
 
-    The text is "name", "factor*name", "name*operand", "name/operand", or has both, as
-    "factor*name/operand". A missing part is "". None is returned for any other text.
-    The parts are not converted to numbers.
+    The text is "name", "factor*name", "name*operand", "name/operand" or a combination
+    such as "factor*name/operand". A missing part is "". The parts are texts, not
+    converted to numbers. The result is None for any other text.
     """
     factor = r"(?:(?P<factor>[^*]+)\*)?"  # optional
     operand = r"(?:(?P<operator>[*/])(?P<operand>.+))?"  # optional
@@ -212,11 +216,11 @@ def _parts_of_tie(text: str, name: str) -> TieParts | None:
 
 
 def _source_of(path: str, text: Any, paths: Collection[str]) -> str:
-    """Path of the number to which the text at `path` ties that number.
+    """Path of the varying number to which a text ties the number at `path`.
 
-    `paths` are those of all numbers that vary. "" if the text is no tie; whether it is
-    a grid is not checked. InvalidModel if it names a number of the case that does not
-    vary.
+    `paths` are the paths of all numbers that vary. The result is "" if the text is not
+    a tie; then it may be a grid, which is not checked here. InvalidModel is raised if
+    the text has a path in another way than a tie, or a path that does not vary.
     """
     if not isinstance(text, str):
         return ""
@@ -234,8 +238,9 @@ def _source_of(path: str, text: Any, paths: Collection[str]) -> str:
                 f"out {name}"
             )
             raise invalid_argument(path, message)
+    # A text that names a varying number has returned or raised above.
     names_number = CASE_NUMBER_PATTERN.search(text) is not None
-    if names_number:  # and none that varies
+    if names_number:
         hint = "vary the number to which it is tied, too"
         if other_names:
             hint = f"write FACTOR*NAME with one of {listed(other_names)}"
@@ -247,11 +252,12 @@ def _source_of(path: str, text: Any, paths: Collection[str]) -> str:
 def _check_factors(
     path: str, text: str, parts: TieParts, other_names: Collection[str]
 ) -> None:
-    """Raise InvalidModel for a product of two numbers of the case, or two variables.
+    """Raise InvalidModel if a factor of a tie is itself a number or a variable.
 
-    The parts are those of the text at `path`, which ties that number to one of
-    `other_names` by a factor or a divisor. Only texts that are no amounts are taken for
-    names.
+    `parts` are those of the text at `path`, which ties this number to one of
+    `other_names`. The factor and the operand must be amounts, numbers with or without a
+    unit. They may not contain one of `other_names`, or the path of a number of the
+    case; other texts are not checked here.
     """
     for part in (parts.factor, parts.operand):
         if part == "" or units.is_amount(part):
@@ -268,7 +274,10 @@ def _check_factors(
 
 
 def _is_formula_of(text: str, name: str) -> bool:
-    """Whether a value in the text of a grid is no amount, and has this name in it."""
+    """Whether some value in the text of a grid has this name in it, and is no amount.
+
+    An amount is a number with or without a unit: "2 m" does not count for the name m.
+    """
     for value in re.split("[:,]", text):
         if _names(value, name) and not units.is_amount(value):
             return True
@@ -276,18 +285,19 @@ def _is_formula_of(text: str, name: str) -> bool:
 
 
 def _names(text: str, name: str) -> bool:
-    """Whether the name of a number or a variable stands in a text, as a whole word."""
+    """Whether a text has the name of a number or a variable in it, as a whole word."""
+    # Dots are part of a path: "bodies.0" is no whole word in "bodies.0.length".
     return re.search(rf"(?<![\w.]){re.escape(name)}(?![\w.])", text) is not None
 
 
 def read_grids(vary: Mapping[str, ArrayLike] | None) -> dict[str, Grid | Tie]:
-    """Return grids and ties by their paths, as the caller wrote them; {} for None.
+    """Grids and ties by the paths of `vary`; {} if `vary` is None.
 
-    An entry of `vary` is a text, a list or an array; a text may name another path, and
-    is a tie then. The k-th grid runs along axis k; a tie runs along the axis of its
-    source, which must be a grid. InvalidModel is raised for anything but a mapping of
-    paths, for more than `MAX_AXES` grids, or for a wrong tie. The values of the grids
-    are not evaluated here.
+    An entry of `vary` is a text, a list or an array. A text that is a product with
+    another path of `vary` is a tie, and any other entry is a grid. The k-th grid varies
+    along axis k; a tie varies along the axis of its source, which must be a grid.
+    InvalidModel is raised if `vary` is not a mapping of paths, if it has more than
+    `MAX_AXES` grids, or if a tie is wrong. Values are not computed here.
     """
     entries: Any = vary
     if vary is None:
@@ -298,16 +308,16 @@ def read_grids(vary: Mapping[str, ArrayLike] | None) -> dict[str, Grid | Tie]:
     if not is_valid:
         message = "must name numbers by their paths, each with a grid"
         raise invalid_argument("vary", f"{message}, got {shown(entries)}")
-    # By path: the path of the number to which it is tied, or "" for a grid
+    # For each path, the path to which it is tied, or "" for a grid
     sources = {path: _source_of(path, entries[path], entries) for path in entries}
     axes = [path for path, source in sources.items() if source == ""]
     if len(axes) > MAX_AXES:
         message = f"is one of {len(axes)} numbers; at most {MAX_AXES} vary at once"
-        raise invalid_argument(axes[MAX_AXES], message)
+        raise invalid_argument(axes[MAX_AXES], message)  # the first one too many
     grids: dict[str, Grid] = {}
     for axis, path in enumerate(axes):
-        shape = [1] * len(axes)  # as np.reshape takes it: the values run along `axis`
-        shape[axis] = -1
+        shape = [1] * len(axes)
+        shape[axis] = -1  # np.reshape puts all values along this axis
         grids[path] = Grid(path, entries[path], shape)
     by_path: dict[str, Grid | Tie] = {}
     for path, source in sources.items():
@@ -322,10 +332,11 @@ def read_grids(vary: Mapping[str, ArrayLike] | None) -> dict[str, Grid | Tie]:
 
 
 def variables_of(grids: Mapping[str, Grid | Tie], numbers: Collection[str]) -> set[str]:
-    """Names of the grids that are variables: no numbers, and others are tied to them.
+    """Names of the variables among the grids.
 
-    `grids` are grids and ties by path, `numbers` the paths of all numbers that can
-    vary. A name such as R is a variable; one with a dot is not.
+    A variable is a grid to which a number is tied, and whose name, such as R, has no
+    dot and is not one of `numbers`, the paths of all numbers that can vary. `grids` has
+    grids and ties by path.
     """
     names = set()
     for tie in grids.values():
@@ -337,10 +348,10 @@ def variables_of(grids: Mapping[str, Grid | Tie], numbers: Collection[str]) -> s
 
 
 def _listed_values(grid: Any) -> list[Any]:
-    """Values of a list or an array in one dimension; [] for anything else."""
+    """Items of a list, a tuple or an array as a list; [] for any other grid."""
     values = grid
     if isinstance(grid, np.ndarray):
-        values = grid.tolist()
+        values = grid.tolist()  # a number for an array of shape ()
     if isinstance(values, list | tuple):
         return list(values)
     return []
@@ -349,15 +360,16 @@ def _listed_values(grid: Any) -> list[Any]:
 def grid_values(text: Any, dimension: str) -> Floats:
     """All values of a grid, shape (n,), in the SI unit of the dimension.
 
-    The text is a list "a,b,c", or "start:stop:count" with both ends and equal steps,
-    with ":log" equal ratios. In its place there may be a list or an array of numbers,
-    or of texts with units. ValueError for anything else, for one value with different
-    ends, for equal ratios from or to 0, and for ends too far apart for floats.
+    `text` is a list such as "a,b,c"; "start:stop:count", with equal steps and both
+    ends; "start:stop:count:log", with equal ratios; or a list or an array of numbers or
+    of texts with units. ValueError is raised for anything else, for a count of 1 with
+    different ends, for equal ratios with an end that is not > 0, and for ends too far
+    apart for floats. A grid has 1 to `MOST_MEMBERS` values.
     """
     items = _listed_values(text)
     if 1 <= len(items) <= MOST_MEMBERS:
         return np.array([units.parse(item, dimension) for item in items])
-    if isinstance(text, str) and ":" not in text:  # a list
+    if isinstance(text, str) and ":" not in text:  # a list "a,b,c"
         return np.array([units.parse(number, dimension) for number in text.split(",")])
     spaced = None
     if isinstance(text, str):
@@ -374,7 +386,7 @@ def grid_values(text: Any, dimension: str) -> Floats:
         raise ValueError(f"{message} {shown(text)}")
     if has_equal_ratios and min(start, stop) <= 0:
         raise ValueError(f"needs ends above 0 for equal ratios, got {shown(text)}")
-    with np.errstate(all="ignore"):
+    with np.errstate(all="ignore"):  # an overflow is refused below
         if has_equal_ratios:
             values = np.geomspace(start, stop, count)
         else:

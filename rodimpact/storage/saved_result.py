@@ -1,7 +1,7 @@
 """The [result] of a case file: how the run of a saved solution ended, and its outcome.
 
-A saved solution is its case. When the file is loaded the case is solved again, and this
-record says what came out when it was saved.
+A solution is saved as its case. When the file is loaded, the case is solved again, and
+the new outcome is compared with the one that is stored here.
 """
 
 from collections.abc import Collection, Mapping
@@ -44,9 +44,9 @@ OUTCOME_ENERGIES = (
 )
 """Energies of the whole row, J, by their names in an `Outcome`."""
 LATER_ENERGIES = ("soil_work", "drag_work")
-"""Energies that files of earlier versions lack: they were 0."""
+"""Energies that are missing in files of earlier versions, where they were 0."""
 MEASURE_OF = BY_BODY | BY_CONTACT | dict.fromkeys(OUTCOME_ENERGIES, ENERGY)
-"""Measure of each number of an outcome."""
+"""Measure of each number of an outcome; its stated error applies to the number."""
 
 
 WORDS = ("version", "method", "stopped_by", "status")
@@ -54,23 +54,23 @@ WORDS = ("version", "method", "stopped_by", "status")
 
 
 class SavedResult(NamedTuple):
-    """How a run ended, and its outcome, as a case file holds them.
+    """How a run ended, and its outcome, as the table [result] of a case file.
 
     Attributes
     ----------
     version : str
         Version of rodimpact that solved the case.
     method : str
-        Method that ran: for ``"auto"`` the one that it chose.
+        Method that solved the case, never ``"auto"``.
     stopped_by, status : str
         Why the run ended, in a word and in a sentence.
     final : bool
         Whether it is proved that no contact can press again.
     numbers : dict of str to float
-        Numbers of the outcome, SI: ``"velocity_after.I"`` of body I, ``"impulse.K"`` of
-        contact K, and so on, and the `OUTCOME_ENERGIES`.
+        Numbers of the outcome in SI units: ``"velocity_after.I"`` of body I,
+        ``"impulse.K"`` of contact K, and so on, and the `OUTCOME_ENERGIES`.
     accuracy : dict of str to float
-        Stated relative errors, as `Solution.accuracy` has them.
+        Stated relative errors by measure, as in `Solution.accuracy`.
     """
 
     version: str
@@ -83,15 +83,15 @@ class SavedResult(NamedTuple):
 
 
 def read_result(table: Mapping[str, Any], bodies: int) -> SavedResult:
-    """Make the record of the table [result].
+    """Make a `SavedResult` from the table [result] of a case file.
 
-    A number of `LATER_ENERGIES` that is missing is 0. Any other number of an outcome is
-    required; the accuracy may be left out.
+    All numbers of an outcome are required, except those of `LATER_ENERGIES`: they are 0
+    if they are missing. The table of the accuracy is required, but may be empty.
 
     Parameters
     ----------
     table : dict
-        As TOML gives it.
+        Table as `tomllib` reads it.
     bodies : int
         Number of bodies of the case.
 
@@ -107,7 +107,7 @@ def read_result(table: Mapping[str, Any], bodies: int) -> SavedResult:
     problems: Problems = []
     keys = SavedResult._fields
     _check_keys(problems, "", table, allowed=keys, required=keys)
-    # A missing entry is a problem already: the types of the others are checked.
+    # A missing entry is a problem already; the defaults of `get` pass these checks.
     for name in WORDS:
         if not isinstance(table.get(name, ""), str):
             add_problem(problems, name, "must be text", table[name])
@@ -120,7 +120,7 @@ def read_result(table: Mapping[str, Any], bodies: int) -> SavedResult:
         numbers.setdefault(name, 0.0)
     accuracy = _read_numbers(problems, "accuracy", table, MEASURES)
     for name, error in accuracy.items():
-        if not error >= 0:  # nan is refused, too
+        if not error >= 0:  # also true for nan
             add_problem(problems, f"accuracy.{name}", "must not be negative", error)
     raise_if_problems(problems)
     return SavedResult(
@@ -135,12 +135,13 @@ def read_result(table: Mapping[str, Any], bodies: int) -> SavedResult:
 
 
 def names_of_numbers(bodies: int) -> list[str]:
-    """Names of all numbers of an outcome of so many bodies.
+    """Names of all numbers of the outcome of a row with this number of bodies.
 
-    Energies of the row are first, then such as "velocity_after.0" by body, and
-    "impulse.0" by contact.
+    Energies of the row are first. Names such as "velocity_after.0", with the index of
+    the body, and "impulse.0", with the index of the contact, follow.
     """
     names = [*OUTCOME_ENERGIES]
+    # There is a contact between each body and the next one.
     for by_owner, count in ((BY_BODY, bodies), (BY_CONTACT, bodies - 1)):
         for name in by_owner:
             for owner in range(count):
@@ -155,10 +156,11 @@ def _check_keys(
     allowed: Collection[str],
     required: Collection[str],
 ) -> None:
-    """Add problems of keys of a table that are unknown, and of those that are missing.
+    """Add a problem for each key of a table that is unknown, and for each missing key.
 
-    A key is unknown unless `allowed`; those `required` must be there. The path of a
-    problem is `path`, "" or with a dot at its end, and the key.
+    A key is unknown if it is not in `allowed`, and missing if it is in `required`, but
+    not in the table. The path of a problem is `path` followed by the key; `path` is ""
+    or ends in a dot.
     """
     for key in table:
         if key not in allowed:
@@ -175,14 +177,15 @@ def _read_numbers(
     allowed: Collection[str],
     required: Collection[str] = (),
 ) -> dict[str, float]:
-    """Numbers of the table of this name in [result]; they may be infinite or nan.
+    """Numbers of the subtable `name` of [result]; they may be infinite or nan.
 
     Mistakes are added to `problems`: keys that are not allowed or missing, and values
-    that are no numbers. {} if there is no such table.
+    that are not numbers, which are left out. If there is no such table, the result is
+    {}; only an entry that is not a table is a problem then.
     """
     group = table.get(name)
     if not isinstance(group, dict):
-        if name in table:
+        if name in table:  # a missing table is a problem of `read_result`
             add_problem(problems, name, "must be a table of numbers", group)
         return {}
     _check_keys(problems, f"{name}.", group, allowed, required)
@@ -190,7 +193,7 @@ def _read_numbers(
     for key, value in group.items():
         try:
             if isinstance(value, bool | str):
-                raise TypeError  # `float` would take them
+                raise TypeError  # `float` would convert these, too
             numbers[key] = float(value)
         except (TypeError, OverflowError):
             add_problem(problems, f"{name}.{key}", "must be a number", value)
