@@ -1,6 +1,6 @@
 """Outcomes, solutions and ring-downs as tables for people and as JSON for programs.
 
-JSON gives every digit, and null where there is no such number.
+JSON has all digits of a number, and null for a number that does not exist.
 """
 
 import math
@@ -14,7 +14,7 @@ from ..units import format_si
 from .tables import align, joules, versioned_json, without_round_off
 
 MAX_LISTED_EPISODES = 12
-"""Episodes that a table lists from the first on, and last ones that it adds."""
+"""Largest number of first episodes in a table, and of last episodes below them."""
 ENERGY_LABELS = {
     "kinetic": "moving as a whole",
     "vibrational_kinetic": "vibration, kinetic part",
@@ -28,7 +28,7 @@ ENERGY_LABELS = {
     "numerical": "lost to the grid",
     "radiated": "gone through absorbing ends",
 }
-"""What tables, figures and the page call the entries of an energy ledger."""
+"""Labels of the entries of an energy ledger, in tables, figures and the page."""
 LOSSES = (
     "dissipated",
     "damped",
@@ -37,11 +37,11 @@ LOSSES = (
     "numerical",
     "radiated",
 )
-"""Entries that leave the bodies and their contacts."""
+"""Entries of the energy that leaves the bodies and their contacts."""
 
 
 def outcome_table(outcome: Any) -> str:
-    """What a collision did, for people.
+    """Outcome of a collision as tables of text, for people.
 
     Parameters
     ----------
@@ -50,8 +50,8 @@ def outcome_table(outcome: Any) -> str:
     Returns
     -------
     str
-        Bodies, contacts, energy, restitution and balances, and the sentences that go
-        with them.
+        Tables of bodies, contacts, energies, and restitution with balances; then
+        sentences on why there is no restitution, and why the run ended.
 
     Examples
     --------
@@ -65,7 +65,7 @@ def outcome_table(outcome: Any) -> str:
 
 
 def solution_table(solution: Any) -> str:
-    """What a collision did and how the run went, for people.
+    """Outcome of a collision and course of its run as tables of text, for people.
 
     Parameters
     ----------
@@ -74,8 +74,9 @@ def solution_table(solution: Any) -> str:
     Returns
     -------
     str
-        The tables of `outcome_table`, when each contact pressed and opened, for a pile
-        in soil set and largest stresses, and how the run went and why it ended.
+        The tables of `outcome_table`; the times at which each contact pressed and
+        opened, if any did; for a pile in soil its permanent set and largest stresses;
+        end, method and events of the run; and the sentences of `outcome_table`.
     """
     outcome = solution.outcome
     run = [
@@ -83,6 +84,7 @@ def solution_table(solution: Any) -> str:
         ["method", solution.method],
         ["events", str(solution.events)],
     ]
+    # t_final: 0 if nothing collides, inf if a contact presses forever, nan if unknown
     if 0 < solution.t_final < math.inf:
         run.insert(0, ["last contact ended at", format_si(solution.t_final, "s")])
     blocks = _tables(outcome)
@@ -96,7 +98,7 @@ def solution_table(solution: Any) -> str:
 
 
 def _is_in_soil(system: Any) -> bool:
-    """Whether soil acts along a rod or below a toe."""
+    """Whether soil acts along a rod or below the toe of a pile."""
     for body in system.bodies:
         if isinstance(getattr(body, "shaft", None), Soil):
             return True
@@ -104,10 +106,10 @@ def _is_in_soil(system: Any) -> bool:
 
 
 def _pile_table(solution: Any) -> str:
-    """Permanent set of each toe, and the largest stresses in each rod.
+    """Table of the permanent set of each toe and the largest stresses in each rod.
 
-    These are the largest compression and tension, with place and time; "none" where the
-    stress was never of this sign.
+    The largest compression and the largest tension are listed with position and time;
+    "none" if the rod was never under compression or tension.
     """
     system = solution.system
     rows = []
@@ -135,7 +137,7 @@ def _pile_table(solution: Any) -> str:
 
 
 def ring_down_table(ring_down: Any) -> str:
-    """How vibration dies out, for people.
+    """Decay of the vibration as a table of text, for people.
 
     Parameters
     ----------
@@ -144,13 +146,14 @@ def ring_down_table(ring_down: Any) -> str:
     Returns
     -------
     str
-        A table of energies, times and the momentum error; "never" for an infinite time.
+        Energies, times and the relative error of the momentum; "never" stands for an
+        infinite time.
     """
     first = float(ring_down.vibration[0])
     last = float(ring_down.vibration[-1])
     lasted = float(ring_down.times[-1] - ring_down.times[0])
     frequency = format_si(ring_down.frequency, "Hz", digits=4)
-    # J: less than the round-off of this energy is 0
+    # An energy below the round-off of this scale, J, is shown as 0.
     scale = first + ring_down.rigid
     last_shown = format_si(without_round_off(last, scale), "J", digits=4)
     rows = [
@@ -172,14 +175,14 @@ def ring_down_table(ring_down: Any) -> str:
 
 
 def _duration(seconds: float) -> str:
-    """A time for a table; infinity is never."""
+    """A time in s as text with a unit; "never" for infinity or nan."""
     if seconds < math.inf:
         return format_si(seconds, "s", digits=4)
     return "never"
 
 
 def solution_json(solution: Any) -> str:
-    """Results and course of a collision for programs: SI units, full precision.
+    """Outcome of a collision and course of its run as JSON: SI units, all digits.
 
     Parameters
     ----------
@@ -189,11 +192,11 @@ def solution_json(solution: Any) -> str:
     -------
     str
         An object with ``schema_version``, ``system``, ``method``, ``outcome``,
-        ``episodes`` of each contact, and how the run went, as the attributes of
-        `Solution` say: ``final``, ``stopped_by``, ``status``, ``t_end``, ``t_final``,
-        ``t_proved``, ``events`` and ``transit_error``. Numbers that do not exist or are
-        infinite are null. In the outcome ``restitution_undefined`` is the reason why
-        there is no restitution, else null.
+        ``episodes`` of each contact, and the attributes of `Solution` on the run:
+        ``final``, ``stopped_by``, ``status``, ``t_end``, ``t_final``, ``t_proved``,
+        ``events`` and ``transit_error``. Numbers that do not exist or are infinite are
+        null. In the outcome, ``restitution_undefined`` is the reason why there is no
+        restitution; it is null if there is one.
     """
     episodes = []
     for contact in solution.contacts:
@@ -217,7 +220,7 @@ def solution_json(solution: Any) -> str:
 def _tables(outcome: Any) -> list[str]:
     """Tables of bodies, contacts, energies and balances, each as text.
 
-    Without contacts theirs is left out.
+    The table of contacts is left out if there are none.
     """
     tables = [_bodies_table(outcome)]
     if outcome.contacts:
@@ -228,10 +231,10 @@ def _tables(outcome: Any) -> list[str]:
 
 
 def _bodies_table(outcome: Any) -> str:
-    """Masses, velocities and vibration of the bodies.
+    """Table of masses, velocities and vibration energies of the bodies.
 
-    Velocities have digits enough to keep six of their differences, 15 at most. A wall
-    has "-" for its mass and vibration.
+    Velocities have so many digits that their differences have six, but at most 15.
+    The mass and the vibration energy of a wall are "-".
     """
     before = outcome.velocities_before
     after = outcome.velocities_after
@@ -240,11 +243,12 @@ def _bodies_table(outcome: Any) -> str:
     spread = without_round_off(max(velocities) - min(velocities), scale=largest)
     digits = 6
     if spread > 0:
-        # The first digits, in which all velocities agree, are added to six.
+        # The first digits, in which all velocities agree, are added to the six.
         digits += math.floor(math.log10(largest / spread))
     digits = min(digits, 15)
     then = _then(outcome)
-    vibration_scale = _vibration_scale(outcome)  # J: less than its round-off is 0
+    # An energy below the round-off of this scale, J, is shown as 0.
+    vibration_scale = _vibration_scale(outcome)
     head = ["body", "mass", "velocity before"]
     head += [f"velocity {then}", f"vibration energy {then}"]
     rows = [head]
@@ -263,9 +267,9 @@ def _bodies_table(outcome: Any) -> str:
 
 
 def _contacts_table(outcome: Any) -> str:
-    """Totals of the contacts, of which there must be one or more.
+    """Table of the totals of the contacts; there must be one or more contacts.
 
-    A joined pair is called so, and has an impulse only.
+    A joined pair is marked "joined"; all its totals except the impulse are "-".
     """
     rows = [["contact", "impulse", "peak force", "force duration", "episodes"]]
     scale = max(abs(tally.impulse) for tally in outcome.contacts)
@@ -282,13 +286,13 @@ def _contacts_table(outcome: Any) -> str:
 
 
 def _energy_table(outcome: Any) -> str:
-    """Energies before and after, J, then works and losses in between.
+    """Table of the energies before and after, then of the work done and energy lost.
 
-    Energy of contacts, works and losses are left out if they are 0. The total is that
-    of kinetic, vibration and contact energy.
+    Contact energy, works and losses are left out if they are 0. The total is the sum of
+    kinetic, vibration and contact energy.
     """
     vibration_label = ENERGY_LABELS["inner"]
-    # Energies before and after, by their labels
+    # (energy before, energy after), J, by label
     pairs: dict[str, tuple[float, float]] = {
         ENERGY_LABELS["kinetic"]: (outcome.kinetic_before, outcome.kinetic_after),
         vibration_label: (sum(outcome.vibration_before), sum(outcome.vibration_after)),
@@ -299,7 +303,7 @@ def _energy_table(outcome: Any) -> str:
     total_before = sum(before for before, _ in pairs.values())
     total_after = sum(after for _, after in pairs.values())
     pairs["total"] = (total_before, total_after)
-    # J: an energy less than the round-off of its scale is 0
+    # An energy below the round-off of its scale, J, is shown as 0.
     total_scale = max(total_before, total_after)
     rows = [["energy", "before", _then(outcome)]]
     for name, (before, after) in pairs.items():
@@ -323,7 +327,7 @@ def _energy_table(outcome: Any) -> str:
 
 
 def _balances_table(outcome: Any) -> str:
-    """Restitution, "-" if undefined, and the relative errors of the balances."""
+    """Table of e, "-" if it is undefined, and the relative errors of both balances."""
     restitution = "-"
     is_defined = outcome.why_no_restitution() == ""
     if is_defined:
@@ -337,24 +341,26 @@ def _balances_table(outcome: Any) -> str:
 
 
 def _error_text(value: float) -> str:
-    """A relative error for a table: its size to two digits, 1e-15 at least."""
+    """Absolute value of a relative error with two digits, or "below 1e-15"."""
     if abs(value) < 1e-15:
         return "below 1e-15"
     return f"{abs(value):.2g}"
 
 
 def _episodes_table(solution: Any) -> str:
-    """Times of the first episodes, contact by contact from the left; "" without any.
+    """Table of the times of episodes, contact by contact; "" if there are none.
 
-    After `MAX_LISTED_EPISODES` a line tells how many are left out. The last episodes of
-    contacts with several follow: a ball that bounces comes to rest in its last one.
+    The first `MAX_LISTED_EPISODES` episodes are listed. A line then gives the number of
+    episodes that are left out, and the last episode of each contact with several
+    follows: a ball that bounces comes to rest in its last episode.
     """
     names = contact_names(solution.system.kinds)
     rows = []
-    last_rows = []  # of contacts whose last episode is not among the first rows
+    # Last episodes of those contacts whose last episode is not among the first rows
+    last_rows = []
     for contact in solution.contacts:
         for episode in contact.episodes:
-            # The fields of an episode are these times, in the order of the head below.
+            # The fields of an episode are three times, in the order of the head below.
             times = [format_si(t, "s") for t in episode]
             rows.append([names[contact.index], *times])
         if len(contact.episodes) > 1 and len(rows) > MAX_LISTED_EPISODES:
@@ -375,46 +381,46 @@ def _episodes_table(solution: Any) -> str:
 
 
 def _sentences(outcome: Any) -> str:
-    """Why there is no restitution, and why the run ended, a line each.
+    """Sentences on why there is no restitution, and why the run ended, one per line.
 
-    With a restitution there is the second alone. It is left out where the first says
-    the same.
+    The first is left out if there is a restitution. The second is left out if the first
+    contains it.
     """
     sentences = []
     reason = outcome.why_no_restitution()
     if reason:
-        sentences.append(reason[:1].upper() + reason[1:])
-    if outcome.status not in reason:  # the reason is "" with a restitution
+        sentences.append(reason[:1].upper() + reason[1:])  # with a capital letter
+    if outcome.status not in reason:  # `reason` is "" if there is a restitution
         sentences.append(outcome.status)
     return "\n".join(f"{sentence.removesuffix('.')}." for sentence in sentences)
 
 
 def _then(outcome: Any) -> str:
-    """The time of the second column: after the collision, or where the run stopped."""
+    """Head of the second column: "after" the collision, or "at the end" of the run."""
     if outcome.final:
         return "after"
     return "at the end"
 
 
 def _vibration_scale(outcome: Any) -> Any:
-    """Scale of vibration energies, J, beside which round-off counts as 0.
+    """Scale of vibration energies, J: an energy below its round-off is shown as 0.
 
-    It is m dv^2/2 plus the vibration energy before the collision, with the mass m of
-    all bodies but walls, and the largest difference dv of velocities before.
+    It is m dv^2/2 plus the vibration energy before the collision. Here m is the mass of
+    all bodies except walls, and dv the largest difference of the velocities before.
     """
     velocities = outcome.velocities_before
     spread = max(velocities) - min(velocities)
-    mass = sum(mass for mass in outcome.masses if mass < math.inf)
+    mass = sum(mass for mass in outcome.masses if mass < math.inf)  # not of walls
     return mass * spread * spread / 2 + sum(outcome.vibration_before)
 
 
 def _outcome_entries(outcome: Any) -> dict[str, Any]:
     """Entries of an outcome for JSON, by name; numbers in SI units.
 
-    They are `bodies` and `contacts`, lists of dictionaries, `restitution` and the
-    reason if it is undefined, all fields of type float (energies and residuals of the
-    row), `final` and `status`. For a joined pair (bond or joint) all totals except the
-    impulse are None. An undefined restitution is None.
+    They are `bodies` and `contacts`, lists of dicts; `restitution`, None if undefined;
+    `restitution_undefined`, the reason for that or None; all fields of the type float,
+    which are energies and residuals of the row; `final` and `status`. All totals of a
+    joined pair (bond or joint) except the impulse are None.
     """
     bodies = []
     for i, kind in enumerate(outcome.bodies):
@@ -433,7 +439,7 @@ def _outcome_entries(outcome: Any) -> dict[str, Any]:
         contact: dict[str, Any] = {"left": k, "right": k + 1, "bonded": joined}
         contact.update(tally._asdict())
         if joined:
-            # A joined pair has only an impulse, which is the first field.
+            # A joined pair has only an impulse, the first field of the totals.
             for name in tally._fields[1:]:
                 contact[name] = None
         contacts.append(contact)
@@ -446,8 +452,8 @@ def _outcome_entries(outcome: Any) -> dict[str, Any]:
         entries["restitution"] = outcome.restitution
         entries["restitution_undefined"] = None
     for field in fields(outcome):
-        # The types of the dataclass are classes, as its module does not defer the
-        # evaluation of annotations.
+        # `field.type` is a class, not a text, since the module of `Outcome` does not
+        # defer the evaluation of annotations.
         if field.type is float:  # energies and residuals of the whole row
             entries[field.name] = getattr(outcome, field.name)
     entries["final"] = outcome.final

@@ -1,7 +1,7 @@
 """Numbers as text: tables for people, JSON for programs.
 
-A table gives six digits with units, a dash where there is no such number, and 0 where
-only round-off is left.
+A table has six digits with units, a dash for a number that does not exist, and 0 for a
+number that is only round-off.
 """
 
 import html
@@ -16,36 +16,37 @@ from ..units import format_si, shown
 from .writing import PathLike, write_lines
 
 MAX_COLUMN_NAME = 60
-"""Characters of the name of a column, at most."""
+"""Largest number of characters in the name of a column."""
 TIMES = re.compile(r"(?i)(?:time|t|zeit|temps|tiempo|x-?axis|seconds?)\b.*")
-"""Names of columns of times."""
+"""Names by which a column counts as one of times."""
 _NAME = re.compile(rf"(?!.*  )\w[\w .:()/-]{{0,{MAX_COLUMN_NAME - 1}}}(?<![ _/])")
+"""Valid names of columns; `misnamed` describes them."""
 _MICRO = re.compile(r"(?<=[0-9] )u(?=(?:s|m|J|N|V|Pa)\b)")
-"""The u of a unit behind a number, such as us."""
+"""The letter u of a unit such as us, after a number and a blank."""
 JSON_SCHEMA = 1
-"""Version of the JSON for programs."""
+"""Version of the JSON documents for programs."""
 
 ZERO_IN_TABLE_RTOL = 2.0**-44
-"""Bounds the values, over their scale, that a table shows as 0.
+"""Largest value, over its scale, that a table shows as 0.
 
-A wave is known to 2^-48 of the velocities for each end it has passed.
+The error of a wave is at most 2^-48 of the velocities for each end that it has passed.
 """
 
 
 def align(rows: Sequence[Sequence[str]], left: Sequence[int] = (0,)) -> str:
-    """Set rows of text in columns, two spaces apart.
+    """Arrange rows of text in aligned columns, two spaces apart.
 
     Parameters
     ----------
     rows : sequence of rows of str
-        All rows have as many cells.
+        All rows have the same number of cells.
     left : sequence of int
-        Columns whose text starts at the left; in the others it ends at the right.
+        Indices of the columns that are aligned left; the others are aligned right.
 
     Returns
     -------
     str
-        One line a row, without a final newline; "" without rows.
+        One line per row, without a final newline; "" if there are no rows.
 
     Examples
     --------
@@ -57,7 +58,7 @@ def align(rows: Sequence[Sequence[str]], left: Sequence[int] = (0,)) -> str:
     columns = []
     for i, column in enumerate(zip(*rows, strict=True)):  # the cells of column i
         width = max(map(len, column))
-        side = ">"
+        side = ">"  # format of text that is aligned right
         if i in left:
             side = "<"
         columns.append([f"{cell:{side}{width}}" for cell in column])
@@ -68,9 +69,10 @@ def align(rows: Sequence[Sequence[str]], left: Sequence[int] = (0,)) -> str:
 
 
 def without_round_off(value: float, scale: float) -> float:
-    """A value for a table: 0 if it is only round-off beside `scale`, else itself.
+    """0 if a value is only round-off relative to `scale`, else the value unchanged.
 
-    Beside an infinite scale nothing is round-off.
+    The bound is `ZERO_IN_TABLE_RTOL` times the scale. With an infinite scale no value
+    is round-off; nan is returned unchanged.
     """
     if abs(value) <= ZERO_IN_TABLE_RTOL * scale < math.inf:
         return 0.0
@@ -78,9 +80,9 @@ def without_round_off(value: float, scale: float) -> float:
 
 
 def as_html(text: str) -> str:
-    """A table as HTML, for notebooks and pages; its columns stay aligned.
+    """A table of text as HTML, for notebooks and pages; its columns stay aligned.
 
-    Characters of HTML are escaped, and us is written µs.
+    Special characters of HTML are escaped. Units such as us are written µs.
     """
     style = (
         "white-space: pre; overflow-x: auto; font-family: monospace; text-align: left"
@@ -89,14 +91,15 @@ def as_html(text: str) -> str:
 
 
 def with_micro_sign(text: str) -> str:
-    """A text for a page, which can show 385 µs, where a terminal shows 385 us."""
+    """A text in which units such as us, after a number, are written µs."""
     return _MICRO.sub("µ", text)
 
 
 def misnamed(column: object) -> str:
-    """Why a column cannot have this name, as a sentence; "" if it can.
+    """Reason why a column cannot have this name, as a sentence; "" if it can.
 
-    A column of such a name would not be read as it was written, or read as times.
+    A name is refused if a file with it would not be read back correctly, or if the
+    column would be read as times.
     """
     if isinstance(column, str):
         is_time = TIMES.fullmatch(column)
@@ -110,10 +113,10 @@ def misnamed(column: object) -> str:
 
 
 def heading(column: str, unit: str) -> str:
-    """Head of a column with its unit; "1" stands for no unit.
+    """Head of a column: its name and its unit in brackets, "1" for the unit "".
 
-    The column is "time", or one of records. InvalidModel if it cannot have this name or
-    this unit.
+    The column is "time" or a channel of a record. InvalidModel if the name or the unit
+    is not allowed.
 
     Examples
     --------
@@ -141,10 +144,10 @@ def write_table(
     *,
     force: bool = False,
 ) -> None:
-    """Write a table of numbers with all digits, as CSV: the whole file or none.
+    """Write a table of numbers with all digits as CSV; an error leaves no partial file.
 
-    Each block holds the next rows, as one array for each head. An existing file is
-    replaced if `force` is true, else FileExistsError is raised.
+    Each block has the next rows of the table, as one array per head. An existing file
+    is replaced if `force` is true; otherwise FileExistsError is raised.
     """
     write_lines(path, _lines_of_table(heads, blocks), force=force)
 
@@ -152,9 +155,9 @@ def write_table(
 def _lines_of_table(
     heads: Sequence[str], blocks: Iterable[Sequence[Any]]
 ) -> Iterator[str]:
-    """Lines of a table as CSV, heads first, without newlines.
+    """Lines of a table as CSV, without newlines; the first line has the heads.
 
-    Each block holds the next rows, as one array for each head.
+    Each block has the next rows of the table, as one array per head.
     """
     yield ",".join(heads)
     for columns in blocks:
@@ -165,24 +168,24 @@ def _lines_of_table(
 
 
 def joules(value: float, scale: float) -> str:
-    """An energy for a table, with its unit; 0 J if it is round-off beside `scale`."""
+    """An energy with its unit as text; 0 J if it is only round-off of `scale`, J."""
     return format_si(without_round_off(value, scale), "J")
 
 
 def versioned_json(**entries: Any) -> str:
-    """A JSON document for programs: entries after `JSON_SCHEMA`.
+    """A JSON document for programs: "schema_version", then the entries.
 
-    nan and inf become null.
+    nan and infinite numbers become null.
     """
     document = {"schema_version": JSON_SCHEMA} | finite(entries)
     return json.dumps(document, indent=2)
 
 
 def finite(value: Any) -> Any:
-    """The value for JSON, which has no infinite numbers and no nan: they become None.
+    """A value for JSON, which has no nan and no infinite numbers: they become None.
 
-    This goes for all items of dictionaries, lists and tuples, too. These are copied,
-    tuples as lists. Other values are returned as they are.
+    Dictionaries, lists and tuples are copied with all their items treated in the same
+    way; tuples become lists. Other values are returned unchanged.
     """
     if isinstance(value, dict):
         return dict(zip(value, map(finite, value.values()), strict=True))

@@ -1,8 +1,8 @@
-"""Files appear whole or not at all.
+"""Writing of files: a file is written completely or not at all.
 
-A file is written under a passing name beside its target and moved into place when it is
-complete. What is to be loaded again is an NPZ of plain arrays, with everything else in
-one JSON document.
+A file is written under a temporary name in the folder of its target, and renamed when
+it is complete. Results that can be loaded again are an NPZ file of plain arrays and one
+JSON document with all the rest.
 """
 
 import contextlib
@@ -27,19 +27,19 @@ Arrays: TypeAlias = dict[str, Any]
 
 FORMAT = "rodimpact"
 FILE_SCHEMA = 6
-"""Version of what a saved file holds; readers refuse others."""
+"""Version of the content of a saved file; readers refuse other versions."""
 MAX_DOCUMENT_BYTES = 1 << 28
-"""Bytes of the document of a saved file, four to a character."""
+"""Largest size of the document of a saved file, bytes; a character has four."""
 PASSING = ".rodimpact-"
-"""Begin of the names of files that are being written."""
+"""Beginning of the temporary names of files that are being written."""
 EXISTS = "it exists already; give force=True to replace it"
 
 
 def file_name(path: Any) -> str:
-    """A path as text, unchanged; whether there is such a file does not matter.
+    """A path as text, unchanged; the file need not exist.
 
-    InvalidModel for anything but text or a path object of text, such as the number of
-    an open file, and for a name with the character NUL.
+    InvalidModel is raised unless `path` is text or a path object of text, so also for
+    bytes or the number of an open file, and for a name with the character NUL.
     """
     name = None
     if isinstance(path, str | os.PathLike):
@@ -52,8 +52,8 @@ def file_name(path: Any) -> str:
 def check_ending(path: Any, endings: tuple[str, ...], remedy: str) -> None:
     """Raise InvalidModel unless the name of a file ends in one of `endings`.
 
-    They are in small letters, but capitals do not matter. `remedy` is the end of the
-    message.
+    The endings are in lower case; the name may have capitals. `remedy` is the end of
+    the message.
     """
     name = file_name(path)
     if not name.lower().endswith(endings):
@@ -63,9 +63,9 @@ def check_ending(path: Any, endings: tuple[str, ...], remedy: str) -> None:
 
 
 def check_target(path: PathLike, *, force: bool = False) -> Path:
-    """Make sure that a file may be written at `path`.
+    """Check that a file can be written at `path`; nothing is written.
 
-    It is worth asking before a long computation.
+    This is called before a long computation, so that an error comes early.
 
     Parameters
     ----------
@@ -76,33 +76,33 @@ def check_target(path: PathLike, *, force: bool = False) -> Path:
     Returns
     -------
     Path
-        Absolute, with symbolic links followed.
+        Absolute path of the file, with symbolic links resolved.
 
     Raises
     ------
     FileExistsError
         If the file is there and `force` is false.
     InvalidModel
-        If `path` is no name of a file.
+        If `path` is not the name of a file, or `force` is not a truth value.
     OSError
-        The subclass that fits (`IsADirectoryError`, `NotADirectoryError`,
-        `FileNotFoundError` for a missing directory, `PermissionError`): where no file
-        can be.
+        If no file can be written there: `IsADirectoryError`, `NotADirectoryError`,
+        `FileNotFoundError` for a missing directory, `PermissionError`, or OSError
+        itself, such as for a device.
     """
     path = file_name(path)
     check_flag("force", force)
-    mode = 0  # of the file that is there; 0 if there is none
+    mode = 0  # type and permissions of an existing file; 0 if there is none
     refused = f"cannot write {shown_path(path)}: "
     try:
         target = Path(os.path.realpath(path))
-        # A missing or wrong directory is told below.
+        # A missing or wrong directory is refused below, with its own message.
         with contextlib.suppress(FileNotFoundError, NotADirectoryError):
             mode = target.stat().st_mode
     except OSError as error:
         raise type(error)(f"{refused}{error.strerror}") from None
     exists = mode != 0
     folder = target.parent
-    ends_in_slash = os.path.basename(path) == ""  # or is ""
+    ends_in_slash = os.path.basename(path) == ""  # also true for the path ""
     if stat.S_ISDIR(mode) or ends_in_slash:
         raise IsADirectoryError(refused + "it is a directory; add the name of a file")
     if exists and not stat.S_ISREG(mode):
@@ -124,7 +124,7 @@ def check_target(path: PathLike, *, force: bool = False) -> Path:
 
 
 def write_bytes(path: PathLike, data: bytes, *, force: bool = False) -> None:
-    """Write a file as a whole or not at all.
+    """Write a file; an error leaves no partial file.
 
     Parameters
     ----------
@@ -138,8 +138,8 @@ def write_bytes(path: PathLike, data: bytes, *, force: bool = False) -> None:
     FileExistsError
         If the file is there and `force` is false.
     OSError
-        Or a subclass, with a sentence, if the file cannot be written; an existing one
-        is unharmed.
+        If the file cannot be written; a subclass where one fits. An existing file is
+        then unchanged.
     """
     with open_for_writing(path, force=force) as file:
         file.write(data)
@@ -147,23 +147,24 @@ def write_bytes(path: PathLike, data: bytes, *, force: bool = False) -> None:
 
 @contextlib.contextmanager
 def open_for_writing(path: PathLike, *, force: bool = False) -> Iterator[BinaryIO]:
-    """Open a file to be written piece by piece, as a context.
+    """Context with a new file, open for writing bytes piece by piece.
 
-    It is written under a passing name beside `path`. At the end of the context it gets
-    its own name; after an error it is removed. Parameters and errors are those of
-    `write_bytes`.
+    The file is written under a temporary name in the same folder. At the end of the
+    context it is renamed to `path`; after an error it is removed. Parameters and errors
+    are those of `write_bytes`.
     """
     target = check_target(path, force=force)
     passing = target.with_name(PASSING + secrets.token_hex(8))
     try:
         with open(passing, "xb") as file:
             yield file
+            # All bytes must be on the disk before the file gets its name.
             file.flush()
             os.fsync(file.fileno())
         if force:
             os.replace(passing, target)
         else:
-            _place(passing, target)  # a file that appeared meanwhile is not replaced
+            _place(passing, target)  # refuses a target that was made in the meantime
     except OSError as error:
         reason = str(error)
         if isinstance(error, FileExistsError):
@@ -172,32 +173,36 @@ def open_for_writing(path: PathLike, *, force: bool = False) -> Iterator[BinaryI
             reason = error.strerror
         raise type(error)(f"cannot write {os.fspath(path)!r}: {reason}") from error
     finally:
-        with contextlib.suppress(OSError):  # if the name is gone already
+        with contextlib.suppress(OSError):  # the temporary name may be gone already
             passing.unlink()
 
 
 def _place(passing: Path, target: Path) -> None:
-    """Give the file `passing` the name `target`.
+    """Give the file `passing` the name `target`, without replacing a file.
 
-    FileExistsError if there is a file of that name, even one just made by another
-    program. The name `passing` may be left, and the caller removes it.
+    FileExistsError is raised if there is a file `target`, even if another program has
+    just made it. The name `passing` may still exist afterwards; the caller removes it.
     """
     try:
         os.link(passing, target)
     except FileExistsError:
         raise
     except OSError:  # a file system without links
-        target.open("xb").close()  # claims the name: only one can make the file
+        # Mode "xb" fails if the file exists, so only one program can make it.
+        target.open("xb").close()
         os.replace(passing, target)
 
 
 def write_text(path: PathLike, text: str, *, force: bool = False) -> None:
-    """Write a text file in UTF-8, as `write_bytes` does."""
+    """Write a text file in UTF-8; errors and `force` are those of `write_bytes`."""
     write_bytes(path, text.encode(), force=force)
 
 
 def write_lines(path: PathLike, lines: Iterable[str], *, force: bool = False) -> None:
-    """Write lines of text in UTF-8 one by one, as `write_bytes` does."""
+    """Write lines of text in UTF-8, each followed by a newline.
+
+    Errors and `force` are those of `write_bytes`.
+    """
     with open_for_writing(path, force=force) as file:
         for line in lines:
             file.write(f"{line}\n".encode())
@@ -211,12 +216,12 @@ def write_npz(
     *,
     force: bool = False,
 ) -> None:
-    """Write arrays and a JSON document as one compressed NPZ: the whole file or none.
+    """Write arrays and a JSON document as one compressed NPZ file.
 
-    `read_npz` knows the file by its `kind`. To the document are added format, versions,
-    and type, shape and checksum of each array, so that no reader unpacks anything else.
-    OSError for a document of more than `MAX_DOCUMENT_BYTES`, and if the file cannot be
-    written.
+    `kind` selects the reader in `read_npz`. Format, versions and kind are added to the
+    document, and type, shape and checksum of each array, by which `read_npz` checks the
+    arrays. A document of more than `MAX_DOCUMENT_BYTES` raises OSError; other errors
+    and `force` are those of `write_bytes`.
     """
     content: dict[str, Any] = {
         "format": FORMAT,
@@ -230,7 +235,7 @@ def write_npz(
         descriptions[name] = described(np.asanyarray(array))
     content["arrays"] = descriptions
     text = json.dumps(content, allow_nan=False)
-    # NumPy keeps a text with four bytes a character.
+    # A text in a NumPy array has four bytes per character.
     if 4 * len(text) > MAX_DOCUMENT_BYTES:
         message = (
             f"cannot write {os.fspath(path)!r}: the row has too many numbers for one "
@@ -242,7 +247,7 @@ def write_npz(
 
 
 def described(array: Any) -> dict[str, Any]:
-    """Type, shape and checksum of an array; JSON-ready."""
+    """Type, shape and checksum of an array, ready for JSON."""
     as_bytes = np.ascontiguousarray(array).ravel().view(np.uint8).data
     checksum = hashlib.blake2b(as_bytes, digest_size=8).hexdigest()
     return {"type": array.dtype.str, "shape": list(array.shape), "checksum": checksum}
