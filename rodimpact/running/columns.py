@@ -179,7 +179,7 @@ def columns_of(system: System, names: Iterable[str]) -> dict[str, Source]:
     for name in names:
         kind = COLUMNS[name].owner_kind
         if kind == "row":
-            sources[name] = Source(name, 0)
+            sources[name] = Source(name, 0)  # index 0 for the whole row
         else:
             for i in owners[kind]:
                 sources[f"{name}.{i}"] = Source(name, i)

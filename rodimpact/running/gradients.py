@@ -311,12 +311,13 @@ def _common_options(
 ) -> Options:
     """Options with one method that can solve the system and all its neighbours.
 
-    A neighbour is the system with one of the numbers changed. It may have more physics,
-    such as a gravity that is not 0. If no rtol is given, that of "characteristics" is
-    `SMOOTH_RTOL`.
+    A neighbour is the system with one of the numbers a little larger. It may have more
+    physics, such as a gravity that is not 0, and need another method. If the method is
+    "characteristics" and no rtol is given, the rtol is `SMOOTH_RTOL`.
     """
     methods = [options.method_for(system)]
     for number in numbers:
+        # A list of one change: a family with one index more in front
         neighbours = number.neighbours([number.size * PROBING_CHANGE])
         methods.append(options.method_for(neighbours.system))
     by_physics = list(METHODS)  # methods that can solve more systems come later
@@ -378,7 +379,7 @@ class _Result:
         """
         options = self.options
         is_exact = options.method == "fronts"
-        also = ["accuracy"]
+        also = ["accuracy"]  # stated error of each member, which "fronts" does not need
         if is_exact:
             also = []
         swept = sweep(
@@ -447,8 +448,8 @@ class _Result:
 def velocity_scale(system: System) -> Any:
     """Velocity to which stated errors of velocities are relative, m/s, of each member.
 
-    It is the velocity scale of the row. A row without rods has the largest difference
-    of the velocities before instead.
+    It is the velocity scale of the row; without rods it is the largest difference of
+    the velocities before the collision.
     """
     row = build_row(system)
     if len(row.segments) > 0:  # only rods have segments
@@ -560,9 +561,9 @@ def _natural_size(system: System, path: str) -> Any:
 
     It follows from the scales of the row: the velocity scale V, the longest transit
     time T, the largest wave speed c, the largest impedance Z and the largest modulus E.
-    A gap has the size V T, a strain V/c, a force Z V, a pure number 1. A unit that is
-    not in the list has the size nan; in a row without rods every unit has, except m/s
-    and that of a pure number.
+    A velocity has the size V, a pure number 1, a gap V T, a strain V/c, a force Z V. A
+    unit without a size in the list below gives nan. A row without rods has only V: all
+    units but those of a velocity and a pure number give nan.
     """
     row = build_row(system)
     V = velocity_scale(system)
@@ -620,7 +621,8 @@ def _extrapolated(number: _Number, result: _Result, estimate: Estimate) -> Sides
         stage_below = np.full(stage_steps.shape, math.nan)
         stage_above = np.full(stage_steps.shape, math.nan)
         if chosen.any():
-            chosen_steps = stage_steps[:, chosen]  # [step, chosen member]
+            # [step, chosen member]; a single collision, `chosen` of shape (), is one.
+            chosen_steps = stage_steps[:, chosen]
             values = _values_beside(number.members(chosen), result, chosen_steps)
             stage_below[:, chosen] = values.below
             stage_above[:, chosen] = values.above
@@ -635,7 +637,7 @@ def _extrapolated(number: _Number, result: _Result, estimate: Estimate) -> Sides
         largest_slope = np.fmax.reduce(slopes, axis=0, initial=0.0)  # leaves out nan
         rounding = NUMBER_RTOL * np.abs(number.x) * largest_slope
         at_point = sides_of(below, above, steps, noise + rounding)
-        next_step = steps[-1] / 2
+        next_step = steps[-1] / 2  # the next stage begins with it
         chosen = _unsettled(at_point, estimate, noise + rounding, next_step)
         if not chosen.any():
             break
@@ -742,7 +744,7 @@ def lasting_bodies(system: System) -> set[int]:
     """
     last = len(system.bodies) - 1  # the right end is that of the last body
     radiating = set()  # bodies with an absorbing end
-    for body, end in zip((0, last), system.ends, strict=True):
+    for body, end in zip((0, last), system.ends, strict=True):  # left end, right end
         if isinstance(end, Absorbing):
             radiating.add(body)
     lasting: set[int] = set()
@@ -759,7 +761,8 @@ def _check_arguments(
 
     `of` must be a result of the system: the velocity of a body that has a velocity
     afterwards, a total of a contact that can open, or the restitution if exactly one
-    contact can open. `wrt` must be a list of one or more paths of numbers.
+    contact can open and both of its bodies have a velocity afterwards. `wrt` must be a
+    list of one or more paths of numbers.
     """
     problems: Problems = []
     check_progress(problems, progress)

@@ -167,7 +167,7 @@ def job_size(members: int, row: int, jobs: int, most: int) -> int:
     size = math.ceil(members / jobs)
     size = max(1, min(size, most))
     if size >= row:
-        size -= size % row
+        size -= size % row  # whole rows only
     return size
 
 

@@ -90,8 +90,8 @@ def solve(
     ------
     InvalidModel
         If the system is a family or cannot be put on one clock, or an argument is wrong
-        or missing: a row with driven ends, or gravity and something that holds it,
-        needs `until`.
+        or missing: `until` is needed for a row with driven ends, and for a row with
+        gravity and a support that holds it.
 
     Examples
     --------
@@ -150,7 +150,7 @@ def collide(
     Raises
     ------
     InvalidModel
-        As `solve`.
+        For the same reasons as in `solve`, and if a number is an array.
 
     Examples
     --------

@@ -67,7 +67,7 @@ def sweep_json(result: SweepResult, varied: Varied) -> Iterator[str]:
     str
         Lines of an object with ``schema_version``, ``method``, ``shape``, ``varied``
         and ``columns``. A column is a number that varies or a result: a list with one
-        entry a collision, the last axis fastest, in SI units and full precision, with
+        entry per collision, the last axis fastest, in SI units and full precision, with
         null for a number that does not exist.
     """
     axes = []
@@ -118,7 +118,7 @@ def _members(result: SweepResult, varied: Varied, more: str) -> str:
     """Table of all members of a family, or of evenly spread members of a large one.
 
     Its columns are the numbers that vary; totals of the contact that can open, or
-    velocities of the bodies if this is not exactly one contact; the vibration energy;
+    velocities of the bodies if not exactly one contact can open; the vibration energy;
     and the results that `also` requested. If only some members are listed, a line below
     the table says so, with the text `more`.
     """

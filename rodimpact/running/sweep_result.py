@@ -96,11 +96,10 @@ class SweepResult(Shown, OnlyContact[Any]):
         `Solution.extreme_stress` finds it. ``accuracy`` is the largest stated error of
         velocities, impulses and peak forces, relative to the largest of each.
     readings : RequestedReadings
-        The `gauges`, the `times` at which they are read, and what was asked for in
-        `also`.
+        Arguments `gauges`, `times` and `also` of the sweep.
     strain : array or None
-        At the gauges, of the family's shape + (gauge, time); nan after the end of a
-        member's run.
+        Strain at the gauges, of the family's shape + (gauge, time); nan after the end
+        of a member's run. None without gauges.
 
     Examples
     --------
@@ -397,7 +396,7 @@ class SweepResult(Shown, OnlyContact[Any]):
                 yield ",".join(map(_cell, row))
 
     def to_csv(self, path: PathLike, *, force: bool = False) -> None:
-        """Write a table of all members, one a line: varied numbers, then results.
+        """Write a CSV table of all members, one per line: varied numbers, then results.
 
         Raises
         ------
@@ -407,7 +406,7 @@ class SweepResult(Shown, OnlyContact[Any]):
         write_lines(path, self.csv_lines(), force=force)
 
     def to_dataframe(self) -> Any:
-        """All members as a pandas DataFrame (extra ``dataframe``), one a row.
+        """All members as a pandas DataFrame (extra ``dataframe``), one per row.
 
         The columns are those of `table`; the status is categorical.
 
@@ -431,11 +430,11 @@ class SweepResult(Shown, OnlyContact[Any]):
         return frame
 
     def to_xarray(self) -> Any:
-        """Everything as an xarray Dataset (extra ``xarray``), a dimension an axis.
+        """All results as an xarray Dataset (extra ``xarray``), one dimension per axis.
 
-        Numbers that vary are coordinates; a status is a word. Strains have the
-        dimensions ``gauge`` and ``time`` besides, with the coordinates ``body`` and
-        ``x`` of each gauge. Every variable has its ``long_name`` and its ``units``.
+        Numbers that vary are coordinates; a status is a word. Strains have the further
+        dimensions ``gauge`` and ``time``, with the coordinates ``body`` and ``x`` of
+        each gauge. Every variable has its ``long_name`` and its ``units``.
 
         Examples
         --------
@@ -449,13 +448,13 @@ class SweepResult(Shown, OnlyContact[Any]):
         ('N s', 'final')
         """
         names = [axis.name for axis in self.axes]
-        coordinates: Columns = {}  # by name: names of the dimensions, and the values
+        coordinates: Columns = {}  # by name: (names of the dimensions, values)
         for path, values in self.parameters.items():
             coordinates[path] = (names, np.broadcast_to(values, self.shape))
         # The number that names an axis is replaced by its values along this axis alone.
         for axis in self.axes:
             coordinates[axis.name] = ([axis.name], axis.values)
-        variables: Columns = {}
+        variables: Columns = {}  # by name: (names of the dimensions, values)
         for name, column in self.columns.items():
             variables[name] = (names, column)
         variables["status"] = (names, self.status)

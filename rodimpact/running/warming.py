@@ -49,6 +49,7 @@ def warm() -> float:
     reason = kernels.why_not()
     if reason:
         message = f"nothing can be compiled: {reason}"
+        # stacklevel 3: this function, its decorator, the line that calls `warm`
         warnings.warn(message, kernels.NoCompiler, stacklevel=3)
         return 0.0
     with kernels.kept():

@@ -1,1 +1,1 @@
-"""What is kept in files, and texts for people and programs."""
+"""Files of cases, results and sweeps; tables for people and JSON for programs."""

@@ -54,7 +54,7 @@ SEGMENT_KEYS = (*Segment.fields, "material", "lateral_inertia")
 ANY_ROD = Rod(1.0, area=1.0, material=materials.steel)
 ANY_LAW = Spring(1.0)  # stand-in: a spring is allowed between any two bodies
 STAND_INS: dict[str, Body] = {"rod": ANY_ROD, "mass": RigidMass(1.0), "wall": Wall()}
-"""Bodies in place of those with mistakes, by kind."""
+"""Bodies that replace bodies with mistakes, by kind."""
 KIND_OF_WORD = {
     "anvil": "wall",
     "ball": "mass",
@@ -79,7 +79,7 @@ def case_from(
 ) -> Case:
     """Make a `Case` from the tables of a case file.
 
-    Objects with mistakes are replaced by stand-ins while reading goes on, so that all
+    Reading goes on after a mistake, with a stand-in for the object, so that all
     mistakes are found. Then they are raised together.
 
     Parameters
@@ -128,6 +128,7 @@ def case_from(
     result = None
     if top.has("result"):
         saved = top.table("result")
+        # `read_result` makes the object here, as a class does elsewhere.
         result = saved.make_or_note(read_result, table=saved.data, bodies=len(bodies))
     top.note_unknown_keys()
     check_grids(top, system)
@@ -141,14 +142,14 @@ def case_from(
 
 
 def _body_or_any_rod(body: Body | None) -> Body:
-    """The body, or the stand-in `ANY_ROD` if it is None, for an unknown kind."""
+    """The body; if it is None, since its kind is unknown, the stand-in `ANY_ROD`."""
     if body is None:
         return ANY_ROD
     return body
 
 
 def _material_or_steel(material: Material | None) -> Material:
-    """The material, or steel as its stand-in if it is None, for one with mistakes."""
+    """The material; if it is None, since it had mistakes, steel as its stand-in."""
     if material is None:
         return materials.steel
     return material

@@ -48,24 +48,24 @@ A law, "rigid", "bonded", "joint", "spring", "spring-dashpot", "hertz" and so on
 the numbers of its class, under their names; Hertz contact a stiffness, or left_radius
 and right_radius.
 
-A [materials.NAME] takes youngs_modulus or wave_speed, density, poisson_ratio and
-viscosity, or for the latter a loss_factor and the loss_frequency at which it is that; a
-stepped rod takes [[bodies.segments]] with length, area and material each. Rods and
-segments take a lateral_inertia, "rayleigh-love" or "mindlin-herrmann", and, where they
-have no diameter, a polar_moment for it, a number or "circular". Mistakes bear the path
-of the entry, such as `bodies.0.length`.
+A table [materials.NAME] has youngs_modulus or wave_speed, density, poisson_ratio and
+viscosity. Instead of the viscosity it may have a loss_factor and the loss_frequency at
+which that factor holds. A stepped rod has [[bodies.segments]], each with length, area
+and material. Rods and segments may have a lateral_inertia, "rayleigh-love" or
+"mindlin-herrmann"; without a diameter it needs a polar_moment, a number or "circular".
+A mistake is reported with the path of its entry, such as `bodies.0.length`.
 
 A profile is {values = [1.0, 0.0], at = [0.1]}, constant between jumps, or
 {samples = [...]}, at equal distances from end to end. In time `at` are times, and
 samples have a `step` between them.
 
-A radius left out, or "inf", is that of a flat face. The faces of a Hertz contact are of
-the material of their rods; those of a mass or a wall are rigid, unless left_material or
-right_material names what they are made of.
+A face of a Hertz contact is flat if its radius is left out or "inf". The face of a rod
+has the material of the rod. The face of a mass or a wall is rigid, unless left_material
+or right_material names its material.
 
-Any number but samples may be varied: the grid given for its path stands in for the
-entry, which may then be absent, and the case becomes a family with one axis a grid.
-Numbers that are tied to another one follow it along its axis.
+Any number except samples may be varied. The grid given for its path then replaces the
+entry, which may be absent, and the case becomes a family with one axis per grid. A
+number that is tied to another one varies along the axis of that number.
 """
 
 from __future__ import annotations

@@ -250,7 +250,7 @@ def _array(archive: zipfile.ZipFile, name: str, most: int) -> Any:
     if packed.file_size > most + MAX_HEADER_BYTES:
         raise ValueError(f"{name} has {packed.file_size} bytes and should have {most}")
     with archive.open(packed) as file:
-        if np.lib.format.read_magic(file) != (1, 0):
+        if np.lib.format.read_magic(file) != (1, 0):  # version 1.0 of NPY
             raise ValueError(f"{name} is an array of another version of NPY")
         # The part that is left out is the order of the axes in memory.
         shape, _, dtype = np.lib.format.read_array_header_1_0(file)

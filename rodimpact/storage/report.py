@@ -113,10 +113,11 @@ def _pile_table(solution: Any) -> str:
     """
     system = solution.system
     rows = []
-    pairs = contact_names(system.kinds)
+    pairs = contact_names(system.kinds)  # such as "1-2"
     for contact, pair in zip(solution.contacts, pairs, strict=True):
         if isinstance(contact.law, SmithToe):
             permanent = format_si(contact.permanent_set(), "m")
+            # The columns of position and time are empty.
             rows.append([f"permanent set, contact {pair}", permanent, "", ""])
     names = body_names(system.kinds)
     for i, body in enumerate(system.bodies):
@@ -233,7 +234,7 @@ def _tables(outcome: Any) -> list[str]:
 def _bodies_table(outcome: Any) -> str:
     """Table of masses, velocities and vibration energies of the bodies.
 
-    Velocities have so many digits that their differences have six, but at most 15.
+    Velocities have enough digits for six digits of their differences, but at most 15.
     The mass and the vibration energy of a wall are "-".
     """
     before = outcome.velocities_before
@@ -322,6 +323,7 @@ def _energy_table(outcome: Any) -> str:
     for name, energy in exchanged.items():
         is_zero = without_round_off(energy, exchanged_scale) == 0
         if not is_zero:
+            # The column "before" is empty.
             rows.append([name, "", joules(energy, exchanged_scale)])
     return align(rows)
 

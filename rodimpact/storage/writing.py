@@ -115,6 +115,7 @@ def check_target(path: PathLike, *, force: bool = False) -> Path:
         )
     if not folder.is_dir():
         raise NotADirectoryError(refused + f"{shown_path(folder)} is not a directory")
+    # To make a file in a directory takes both permissions, to write and to enter it.
     if not os.access(folder, os.W_OK | os.X_OK):
         message = (
             f"you may not write in the directory {shown_path(folder)}; name another"
@@ -188,7 +189,7 @@ def _place(passing: Path, target: Path) -> None:
     except FileExistsError:
         raise
     except OSError:  # a file system without links
-        # Mode "xb" fails if the file exists, so only one program can make it.
+        # Mode "xb" fails if the file exists: only one program can make this file.
         target.open("xb").close()
         os.replace(passing, target)
 
