@@ -100,7 +100,7 @@ def sides_of(below: Array, above: Array, steps: Array, noise: Array) -> Sides:
     )
 
 
-def limit(first: Array, amplification: Array, noise: Array, ratio: int) -> Estimate:
+def limit(sequence: Array, amplification: Array, noise: Array, ratio: int) -> Estimate:
     """Limit at the step 0 of a quantity known at halved steps, with its error, [...].
 
     It is the extrapolation by the window, some consecutive steps, with the smallest
@@ -110,24 +110,24 @@ def limit(first: Array, amplification: Array, noise: Array, ratio: int) -> Estim
 
     Parameters
     ----------
-    first : [step, ...] array
+    sequence : [step, ...] array
         The quantity at each step. Its error is a series of all powers of the step
         (`ratio` 2), or of the even powers (`ratio` 4).
     amplification : [step, ...] array
-        Error of `first` over the error of the function values from which it is made.
+        Error of `sequence` over the error of the function values from which it is made.
     noise : [...] array
         Bound of the error of these function values.
     ratio : int
         Factor by which the first term of the error falls if the step is halved: 2 or 4.
     """
-    shape = first.shape[1:]
+    shape = sequence.shape[1:]
     value = np.full(shape, math.nan)
     error = np.full(shape, math.inf)
     # Interval of the limit: intersection of the intervals of all windows so far
     low = np.full(shape, -math.inf)
     high = np.full(shape, math.inf)
     in_agreement = np.full(shape, True)
-    for window in windows_of(first, amplification * noise, ratio):
+    for window in windows_of(sequence, amplification * noise, ratio):
         # Comparisons with nan are False: a window that does not exist changes nothing.
         exists = np.isfinite(window.error)
         lower = window.value - window.error
@@ -145,24 +145,24 @@ def limit(first: Array, amplification: Array, noise: Array, ratio: int) -> Estim
     return Estimate(value, error)
 
 
-def windows_of(first: Array, noise: Array, ratio: int) -> list[Estimate]:
+def windows_of(sequence: Array, noise: Array, ratio: int) -> list[Estimate]:
     """For each step, the extrapolation with the smallest error bound.
 
     The list has one estimate, [...], per step, the smallest step first. It is the best
     of the windows that begin at this step, which is their largest one. No window begins
     at the smallest step, so the first estimate is nan, with the error inf.
 
-    `first` and `ratio` are those of `limit`; `noise` is the bound of the error of
-    `first`, [step, ...]. A window of order n consists of n + 1 steps and removes the
+    `sequence` and `ratio` are those of `limit`; `noise` is the bound of the error of
+    `sequence`, [step, ...]. A window of order n consists of n + 1 steps and removes the
     first n terms of the error. Richardson's extrapolation combines its two windows S of
     order n - 1:
 
         S(smaller steps) + (S(smaller steps) - S(larger steps))/(ratio^n - 1).
     """
-    count = len(first)
-    values = np.full(first.shape, math.nan)
-    errors = np.full(first.shape, math.inf)
-    order_below = first  # windows of order n - 1, [step at which they begin, ...]
+    count = len(sequence)
+    values = np.full(sequence.shape, math.nan)
+    errors = np.full(sequence.shape, math.inf)
+    order_below = sequence  # windows of order n - 1, [step at which they begin, ...]
     noise_below = noise  # bounds of their errors by noise
     highest_order = min(MAX_ORDER, count - 1)
     for order in range(1, highest_order + 1):

@@ -171,7 +171,7 @@ class SweepResult(Shown, OnlyContact[Any]):
 
     @property
     def velocities_after(self) -> tuple[Any, ...]:
-        """Velocities of the centres of mass at the end, one array a body, m/s."""
+        """Velocities of the centres of mass at the end, one array per body, m/s."""
         velocities = []
         for i in range(len(self.system.bodies)):
             velocities.append(self.columns[f"velocity_after.{i}"])

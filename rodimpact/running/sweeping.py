@@ -63,7 +63,8 @@ def sweep(
     executor : concurrent.futures.Executor, optional
         Executor that runs the chunks; default: threads of this process. It may run
         processes or a cluster, by ``dask.distributed.Client.get_executor()`` or
-        ``mpi4py.futures.MPIPoolExecutor``. The result is bit for bit the same.
+        ``mpi4py.futures.MPIPoolExecutor``. The result is bit for bit the same as with
+        threads.
     until : float, optional
         End of each run, s; default: the proof that the collision is over. With driven
         ends or gravity there is no proof. Chains with repeated contact may have no

@@ -632,7 +632,8 @@ def check_grids(top: Table, system: System | None) -> None:
     `Grid.varied`; the grids of numbers got theirs when the numbers were read.
     """
     reading = top.reading
-    # A table with a wrong kind or law was not read, so its numbers are not known.
+    # Numbers of tables that were not read are not known: tables with a wrong kind or
+    # law, and entries that should be tables.
     unread_tables = []
     for path in reading.mistakes:
         table_path = re.sub(r"\.(kind|law)$", "", path)
@@ -642,7 +643,7 @@ def check_grids(top: Table, system: System | None) -> None:
         if path in variables or path in reading.numbers:
             continue
         if path.startswith(tuple(unread_tables)):
-            continue  # with the right kind, the table may have this number
+            continue  # without the mistake, the table may have this number
         remedy = other_way_to_vary(path, top)
         if remedy == "":
             remedy = suggestion(path, reading.numbers)
@@ -669,17 +670,19 @@ def other_way_to_vary(path: str, top: Table) -> str:
     There is a remedy for a path that ends in ".material", and for a number that a rigid
     contact does not have, but that other laws have.
     """
+    # The material of a body has numbers at longer paths, such as its density.
     if path.endswith(".material") and f"{path}.density" in top.reading.numbers:
         return (
             "write a case with each material, and solve each by `rodimpact run`, or "
             f"vary {path}.youngs_modulus"
         )
+    # Groups: path of the contact, name of the number
     number_path = re.fullmatch(r"(contacts\.\d+)\.(\w+)", path)
     if (
         number_path is None
         or f"{number_path[1]}.restitution" not in top.reading.numbers
     ):
-        return ""  # there is no such contact, or it is not rigid
+        return ""  # no such contact, or not a rigid one: only `Rigid` has a restitution
     laws = []
     for law, kind in CONTACT_LAWS.items():
         if number_path[2] in kind.fields:

@@ -167,8 +167,8 @@ class Table:
 
         It is a float, or an array if a grid or a tie replaces the entry. If `field`
         allows it, it is a list, a profile, a word or infinity. A missing or wrong entry
-        is noted as a mistake; the result is then nan for a number, None for a list or a
-        word, and 1 for a profile.
+        is noted as a mistake. The result is then nan, or None for a wrong list or word,
+        or 1 for a wrong profile.
         """
         if field.many:
             return self.number_list(key, field.dimension)

@@ -148,7 +148,7 @@ def read_case(
     try:
         text = raw.decode("utf-8-sig")  # with or without a byte order mark
     except UnicodeDecodeError as error:
-        line = raw.count(b"\n", 0, error.start) + 1
+        line = raw.count(b"\n", 0, error.start) + 1  # lines are counted from 1
         raise invalid_argument(
             name, f"is not text in UTF-8 (at line {line}); save it as UTF-8"
         ) from None

@@ -216,6 +216,7 @@ class Checkpoint:
         begins. Without a directory no file is written; the rest is the same.
         """
         if self.path is not None:
+            # Eight digits in the names, so that files sort by their first members
             for start, stop in spans(self._unsaved):
                 self._write(self.path / FILE_NAME.format(f"{start:08}"), start, stop)
         self._unsaved[:] = False

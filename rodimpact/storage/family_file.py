@@ -90,7 +90,7 @@ class _Describer:
     def place_of(self, array: Any) -> dict[str, Any]:
         """Position of an array in the column of its type: column, first index, shape.
 
-        At its first call an array is added to the end of its column. Later calls with
+        The first call with an array adds it to the end of its column. Later calls with
         the same object return the same position.
         """
         if id(array) not in self.places:

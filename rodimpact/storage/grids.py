@@ -165,7 +165,7 @@ class Tie:
             units.multiply_unit(powers, factor_unit, 1)
         if parts.operand:
             operand_unit = units.read_amount(parts.operand).unit
-            sign = 1  # sign of the powers
+            sign = 1  # of the powers of the operand's unit; -1 for a divisor
             if parts.operator == "/":
                 sign = -1
             units.multiply_unit(powers, operand_unit, sign)
