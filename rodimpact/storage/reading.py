@@ -166,6 +166,7 @@ def read_npz(
                 arrays = _arrays(archive, entries)
             return readers[document["kind"]](document, arrays)
         except FileFormatError as error:
+            # The errors of the helpers lack the path.
             raise FileFormatError(str(error), os.fspath(path)) from None
         except MemoryError:
             raise  # the file may be undamaged
@@ -188,6 +189,7 @@ def _document(archive: zipfile.ZipFile, readers: Mapping[str, Any]) -> dict[str,
     foreign = FileFormatError("is an NPZ file, but not one that rodimpact saved")
     if "document.npy" not in archive.namelist():
         raise foreign
+    # The document is JSON in an array of shape (), which is a single text.
     text = str(_array(archive, "document", MAX_DOCUMENT_BYTES))
     memory.check_file(archive.filename, BYTES_PER_CHARACTER * len(text), ADVICE)
     try:
@@ -258,5 +260,5 @@ def _array(archive: zipfile.ZipFile, name: str, most: int) -> Any:
         bytes_after_header = packed.file_size - file.tell()
         if expected_bytes != bytes_after_header:
             raise ValueError(f"{name} is not as long as it says")
-        file.seek(0)  # `read_array` reads the header again
+        file.seek(0)  # back to the start: `read_array` reads the header again
         return np.lib.format.read_array(file, allow_pickle=False)

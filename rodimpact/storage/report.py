@@ -86,6 +86,7 @@ def solution_table(solution: Any) -> str:
     ]
     # t_final: 0 if nothing collides, inf if a contact presses forever, nan if unknown
     if 0 < solution.t_final < math.inf:
+        # The first line of the table
         run.insert(0, ["last contact ended at", format_si(solution.t_final, "s")])
     blocks = _tables(outcome)
     episodes = _episodes_table(solution)
