@@ -233,10 +233,10 @@ def collide(
             "allow_energy_release=True if that is meant"
         )
         demand(np.abs(e) <= 1, "restitution", message, e)
-    # With M = m1 m2/(m1 + m2), m1/(m1 + m2) is M/m2: 1 if m1 is infinite.
-    M = np.asarray(reduced_mass(M1, M2))
-    mass_fraction_1 = M / M2  # m1/(m1 + m2)
-    mass_fraction_2 = M / M1  # m2/(m1 + m2)
+    # With the reduced mass mu, m1/(m1 + m2) is mu/m2, which is 1 if m1 is infinite.
+    mu = np.asarray(reduced_mass(M1, M2))
+    mass_fraction_1 = mu / M2  # m1/(m1 + m2)
+    mass_fraction_2 = mu / M1  # m2/(m1 + m2)
     V_cm = mass_fraction_1 * V1 + mass_fraction_2 * V2
     # Velocities of body 2 relative to body 1; they give W1 and W2 after the collision
     before = V2 - V1
@@ -247,8 +247,8 @@ def collide(
     energy_before = _kinetic_energy(M1, V1) + _kinetic_energy(M2, V2)
     energy_after = _kinetic_energy(M1, W1) + _kinetic_energy(M2, W2)
     lost_fraction = (1 - e) * (1 + e)  # of the energy of the relative motion
-    energy_lost = lost_fraction * _kinetic_energy(M, before)
-    impulse = M * (after - before)
+    energy_lost = lost_fraction * _kinetic_energy(mu, before)
+    impulse = mu * (after - before)
     return RigidCollision(
         velocity_1=float_or_array(W1),
         velocity_2=float_or_array(W2),

@@ -259,7 +259,8 @@ def saint_venant_force(
     time_in_contact = np.clip(t, 0.0, pair.duration)
     round_trip = 2 * numbers.short_time  # s
     k = np.floor(time_in_contact / round_trip)
-    force = pair.peak_force * np.exp(k * numbers.log_q)  # q^k times the first force
+    # q^k times the first force; for q <= 0 the force ends before k is 1.
+    force = pair.peak_force * np.exp(k * numbers.log_q)
     is_pressing = (t >= 0) & (t < pair.duration)
     return float_or_array(np.where(is_pressing, force, 0.0))
 
@@ -362,6 +363,7 @@ def mass_on_rod(
     # The fraction of its momentum that the mass hands over: 1 - exp(-Z t/M) at t = 2 T,
     # which is 1 - exp(-2 mu)
     momentum_fraction = -np.expm1(-2 * mu)
+    # In the formula of the docstring, exp(-2 mu) is 1 - momentum_fraction.
     e = momentum_fraction / mu - 1 + momentum_fraction
     m = reduced_mass(M, rod_mass)
     return _collision(

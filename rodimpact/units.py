@@ -262,6 +262,7 @@ def parse(text: str | float | int, dimension: str) -> float:
 Use one of s, ms, us, ns, or a bare number in SI units.
     """
     is_word = isinstance(dimension, str)
+    # A compound unit that is its own dimension, such as "N/m^p", has a slash.
     if not is_word or (dimension not in UNITS and "/" not in dimension):
         raise ValueError(
             f"unknown dimension {shown(dimension)}. Use one of {', '.join(UNITS)}."
@@ -469,6 +470,7 @@ def _has_numbers(values: Any) -> bool:
         is_truth_value = isinstance(values, bool)
         return isinstance(values, Real) and not is_truth_value
     is_masked = hasattr(values, "mask")
+    # Kinds of floats and of signed and unsigned integers
     return getattr(dtype, "kind", "") in "fiu" and not is_masked
 
 
@@ -506,6 +508,7 @@ def multiply_unit(powers: dict[str, float], unit: str, sign: int) -> None:
     that cancels keeps the power 0. ValueError if a power of the unit is no number.
     """
     above, _, below = unit.partition("/")
+    # Symbols below the slash have the opposite sign.
     for product, direction in ((above, sign), (below, -sign)):
         for factor in product.split():
             symbol, has_power, exponent = factor.partition("^")

@@ -624,9 +624,9 @@ class _Bessel(NamedTuple):
 def _bessel(x: Any, square: Any) -> _Bessel:
     """Bessel functions J0(x) and J1(x)/x, or modified ones if `square` is negative.
 
-    The argument of J is the root of `square`, and x its absolute value. If `square` is
-    negative the root is imaginary, and the functions are I0(x) and I1(x)/x, divided by
-    exp(x). Only the sign of `square` is used.
+    `square` has the sign of the square of the argument, whose absolute value is x. If
+    it is negative, the argument is imaginary, and the functions are I0(x) and I1(x)/x,
+    divided by exp(x). Only the sign of `square` is used.
     """
     is_imaginary = square < 0
     is_small = x < SERIES_LIMIT

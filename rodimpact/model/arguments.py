@@ -65,7 +65,8 @@ def array(name: str, value: ArrayLike, unit: str, sign: str = UNCHECKED) -> Arra
         if "positive" in sign:
             smallest = SMALLEST
         is_sound = (magnitude >= smallest) & (magnitude <= LARGEST)
-        is_infinite = magnitude == np.inf  # only where the sign allows it
+        # Infinite numbers that the sign does not allow have been refused above.
+        is_infinite = magnitude == np.inf
         demand(is_sound | is_infinite, name, OUT_OF_SCALE, numbers)
     return numbers
 

@@ -689,7 +689,8 @@ class Rod(Frozen, kind="rod"):
         Functions of the distance from the left end become `Samples`. Without `segments`
         the shape (length, area and the other arguments of `Segment`) makes one segment,
         or one for each value of an area that is `Steps`. InvalidModel names the
-        mistakes of all arguments.
+        mistakes of all arguments, or only the lengths of segments if these do not
+        broadcast.
         """
         problems: Problems = []
         shape = {

@@ -775,8 +775,8 @@ def short(value: Any) -> str:
 def json_ready(value: Any) -> Any:
     """A value as numbers, lists and dictionaries for JSON.
 
-    A `Frozen` gives its description, an array or a tuple a list. Numbers, texts and
-    other values stay as they are.
+    A `Frozen` becomes its description, an array or a tuple a list. Numbers, texts and
+    other values are returned unchanged.
     """
     if isinstance(value, Frozen):
         return value.to_dict()

@@ -404,6 +404,7 @@ class Hertz(_Compliant, law="hertz"):
         demand(curvature > 0, "right_radius", message)
         with np.errstate(all="ignore"):  # the law refuses what is out of range
             compliance: Number = faces[0].compliance + faces[1].compliance  # 1/E*
+            # (4/3) E* sqrt(R*), with E* = 1/compliance and R* = 1/curvature
             stiffness = np.divide(4 / 3, compliance * curvature**0.5)
             return cls(stiffness)
 
@@ -909,6 +910,7 @@ class Cushion(Plastic, law="cushion"):
         force = scalar("force", force, "N")
         if force <= 0 or np.all(np.equal(self.restitution, 1)):
             return self
+        # Below the peak force it is elastic; above, it follows the loading line again.
         return Yielding(self.stiffness, force, self.hardening)
 
 

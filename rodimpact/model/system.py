@@ -175,10 +175,10 @@ class System(FrozenDataclass):
         return NamedItems(varied)
 
     def _parts(self) -> Iterator[tuple[str, Any]]:
-        """Yield path and value of every parameter, see `Frozen`, with items for tuples.
+        """Yield path and value of every parameter, as `Frozen._parts` does.
 
-        Paths are those of case files: "contacts.0.gap" for "gaps.0", and "ends.left"
-        for "ends.0".
+        The items of tuples are yielded one by one. Paths are those of case files:
+        "contacts.0.gap" for "gaps.0", and "ends.left" for "ends.0".
         """
         for path, value in super()._parts():
             name, _, index = path.partition(".")

@@ -250,7 +250,7 @@ class Gauge:
             heading("leftward", ""): self.leftward,
             heading("velocity", "m/s"): self.velocity,
         }
-        block = list(columns.values())  # of all rows
+        block = list(columns.values())  # one block of all rows, as a list of columns
         write_table(path, list(columns), [block], force=force)
 
     def strain_at(self, t: ArrayLike) -> Floats:

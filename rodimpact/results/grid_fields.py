@@ -255,7 +255,7 @@ class GridFields(Fields):
         the bonded bodies to which the rod belongs.
         """
         motion = self.motion
-        # Cell n lies left of node n. The last cell lies right of the last node.
+        # Cell n lies left of node n; the cell right of the last node is left out.
         elongation = self._cell_strain[:, :-1] * motion.cells.width[:-1]
         stretch = np.cumsum(elongation, axis=1)  # s, m [state, node]
         tables = {}
@@ -426,9 +426,9 @@ class GridFields(Fields):
         1. Share and ultimate resistance are 0 at a node without soil. ValueError for a
         rod without soil or drag.
         """
-        soil = self.motion.soil  # a record for each node in the soil of some rod
+        soil = self.motion.soil  # a record for each node of a rod with soil or drag
         nodes = self._span(body).nodes
-        shaft = shaft_bodies(self.clock.row).index(body)  # index among rods in soil
+        shaft = shaft_bodies(self.clock.row).index(body)  # index among these rods
         columns = np.flatnonzero(soil["shaft"] == shaft)  # records of this rod
         held = soil["node"][columns] - nodes.start  # their nodes, by index in the rod
         resistance = self._between_states(
@@ -526,10 +526,11 @@ class GridFields(Fields):
         an absorbing end. Forces are means over each time step, N; None at a free end.
         """
         contacts = self.signals.contacts
-        # At the ends of the row; other ends of the rod have a contact instead.
+        # Actions at the ends of the row; any other end of a rod has a contact instead.
         left_action, right_action = self.signals.boundary_actions
         left_push = _push_of(left_action)
         right_push = _push_of(right_action)
+        # Contact k lies between the bodies k and k + 1.
         if body > 0:
             left_push = contacts[body - 1].force.values
         if body < len(contacts):

@@ -182,8 +182,8 @@ def _end_stress(motion: GridMotion, tension: Floats, end: SegmentEnd) -> Floats:
     soil = _soil_on(motion, end)
     force = force + soil.on_node
     inertia = force * motion.cells.cell_mass[end.cell] / 2 / motion.mass[node]
-    without_soil = inertia - soil.on_half_cell
-    end_tension = tension[:, end.cell] - end.inward * without_soil
+    by_tensions = inertia - soil.on_half_cell  # the force that both tensions supply
+    end_tension = tension[:, end.cell] - end.inward * by_tensions
     return np.asarray(end_tension / end.area)
 
 
@@ -234,6 +234,7 @@ def _push_on(motion: GridMotion, node: int) -> Floats:
         return np.zeros(1)
     if len(step_means) == 1:
         return np.repeat(step_means, len(motion.when))
+    # Extrapolated by half a step from the first two and from the last two means
     first_and_last = 1.5 * step_means[[0, -1]] - 0.5 * step_means[[1, -2]]
     between = (step_means[1:] + step_means[:-1]) / 2
     # The force after each number of steps, from 0 to all of them

@@ -186,7 +186,7 @@ class Outcome(OnlyContact[float]):
         reason = self.why_no_restitution()
         if reason:
             raise UndefinedRestitution(reason)
-        k = self.unilateral[0]
+        k = self.unilateral[0]  # the contact between the bodies k and k + 1
         before = self.velocities_before[k : k + 2]
         after = self.velocities_after[k : k + 2]
         # Without a reason the collision is final, and the contact has pressed.

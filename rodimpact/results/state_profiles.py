@@ -94,7 +94,7 @@ def _polynomials(
     """
     frame = fields.frame_velocity(tick)
     segments = list(fields.waves_along(body))
-    count = 2
+    count = 2  # values of an interval: `Polynomials` need at least two
     for waves in segments:
         count = max(
             count, waves.rightward.coefficient_count, waves.leftward.coefficient_count

@@ -208,7 +208,7 @@ def _largest_on_side(side: Side) -> Meeting | None:
     largest = float(samples.values.max())
     least_equal = largest - abs(largest) * EQUAL_STRESS_RTOL
     equal = np.flatnonzero(samples.values >= least_equal)  # up to round-off
-    first = equal[np.argmin(samples.ticks[equal])]
+    first = equal[np.argmin(samples.ticks[equal])]  # index of the earliest one
     time = int(samples.ticks[first])
     return Meeting(
         difference=float(samples.values[first]),
@@ -353,10 +353,10 @@ def _joined(first: Samples, second: Samples) -> Samples:
 
 
 def _edges(signal: Pieces, chosen: Mask) -> Samples:
-    """First values of the chosen pieces, then their last ones.
+    """First values of the chosen pieces, then their last values.
 
-    A last value is taken to be `INSIDE_TICKS` before the stop of its piece. Constant
-    pieces have no last values of their own.
+    The tick of a last value is `INSIDE_TICKS` before the stop of its piece. If all
+    pieces are constant, there are only first values.
     """
     starts = signal.ticks[chosen]
     first_values = Samples(starts, signal.values[chosen])
@@ -435,11 +435,11 @@ def _degrees(series: Floats) -> Ints:
 def _colleague_matrices(series: Floats) -> Floats:
     """Matrices [series, n, n] whose eigenvalues are the zeros of series of degree n.
 
-    A series [series, n + 1] has its coefficients in order, the last of which is not 0.
-    With the vector (T_0(y), ..., T_(n - 1)(y)) of Chebyshev polynomials, a matrix gives
-    y times the vector where the series is 0: y T_0 = T_1 and
-    y T_k = (T_(k - 1) + T_(k + 1))/2, in which T_n follows from the series (Good, Q. J.
-    Math. 12, 1961).
+    `series` is [series, n + 1]: the coefficients from degree 0 to n, the last of which
+    is not 0. At a zero y of a series, its matrix times the vector
+    (T_0(y), ..., T_(n - 1)(y)) of Chebyshev polynomials is y times this vector, since
+    y T_0 = T_1 and y T_k = (T_(k - 1) + T_(k + 1))/2. Here T_n follows from the series,
+    which is 0 (Good, Q. J. Math. 12, 1961).
     """
     count = series.shape[0]
     degree = series.shape[1] - 1

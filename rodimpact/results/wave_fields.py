@@ -153,7 +153,7 @@ class WaveFields(Fields):
             displacement = 0.0
             for waves in self.waves_along(body):
                 displacements.append(displacement)
-                # m/s ticks times s for each tick: m
+                # The factor s per tick makes m of m/s ticks.
                 displacement += waves.initial_elongation() * self.clock.tick
         return displacements
 
@@ -175,8 +175,8 @@ class WaveFields(Fields):
         """Values of a field by its formula, just after ("right") or before `ticks`.
 
         x in m and ticks broadcast. The caller's `formula` must take the values of this
-        side; here `side` only decides whether the faster way is possible, which
-        computes one value for each front. It is, for the side "right", if waves are
+        side; here `side` only decides whether a faster way is possible, which computes
+        one value for each front. That way is possible for the side "right" if waves are
         constant between fronts, x is a column, and `ticks` is a row that never falls.
         """
         # The value just after a front holds for all ticks before the next front.
