@@ -625,7 +625,7 @@ def _worth_of_compound(unit: str) -> _Worth | None:
     """
     power_of_symbol: dict[str, float] = {}
     try:
-        multiply_unit(power_of_symbol, unit, 1)
+        multiply_unit(power_of_symbol, unit, 1)  # 1 multiplies by it
     except ValueError:
         return None
     factor = Fraction(1)

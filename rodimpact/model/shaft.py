@@ -1,4 +1,4 @@
-"""What acts along the shaft of a rod: soil or drag."""
+"""Soil or drag along the shaft of a rod."""
 
 from __future__ import annotations
 

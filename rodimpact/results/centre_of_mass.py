@@ -31,7 +31,7 @@ def final_displacement(run: Run, fields: Fields, body: int) -> float:
     time = last_tick * clock.tick
     is_rod = body in fields.rods
     if not is_rod:
-        return float(fields.displacement(body, 0.0, time))
+        return float(fields.displacement(body, 0.0, time))  # of its only point
     impulse_integral = 0.0  # N s^2
     # `INWARD`: a push acts to the right on the left face (1), and to the left on the
     # right face (-1).
@@ -44,7 +44,7 @@ def final_displacement(run: Run, fields: Fields, body: int) -> float:
         twice_integrated = float(shaft_action.push.integrated_twice(last_tick))
         impulse_integral += twice_integrated * clock.tick * clock.tick
     mass = clock.mass(body)
-    start_velocity = float(fields.momentum(body, 0.0) / mass)
+    start_velocity = float(fields.momentum(body, 0.0) / mass)  # at t = 0
     by_gravity = float(clock.system.gravity) * time * time / 2
     return start_velocity * time + impulse_integral / mass + by_gravity
 

@@ -1,4 +1,4 @@
-"""What happened at each contact: force, gap, and the episodes of touching."""
+"""History of each contact: force, gap, and the episodes of touching."""
 
 from __future__ import annotations
 
@@ -177,6 +177,7 @@ class ContactHistory:
         left_body = fields.clock.system.bodies[self.index]
         right_end = getattr(left_body, "length", 0.0)  # 0 in a wall or a rigid mass
         u_left = fields.displacement(self.index, right_end, times)
+        # 0.0 is the left end of the right body.
         u_right = fields.displacement(self.index + 1, 0.0, times)
         distance_growth = u_right - u_left  # of the undeformed faces, [start, end]
         at_start, at_end = self.gap(times) - distance_growth

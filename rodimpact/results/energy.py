@@ -207,7 +207,7 @@ def _energies(
     kinetic = np.zeros(len(ticks))
     strain = np.zeros(len(ticks))
     is_rod = body in fields.rods
-    if not is_rod:
+    if not is_rod:  # a rigid mass has one point only, at 0.0 from its left end
         times = ticks * fields.clock.tick
         relative_velocity = fields.velocity(body, 0.0, times) - group_velocity
         mass = fields.clock.mass(body)

@@ -58,7 +58,7 @@ class MeanState(NamedTuple):
 
 
 class Location(NamedTuple):
-    """Where points of a rod lie; arrays of one shape."""
+    """Positions of points of a rod by segment; arrays of one shape."""
 
     segment: Ints  # number of the segment in the row, counted from 1
     distance: Floats  # m from the left end of the segment
@@ -426,5 +426,5 @@ class Fields(Protocol):
                 right_end += sum(clock.length[first : last + 1])
                 # The initial strain displaces the right end, the last of `edges`.
                 length = self.edges(body)[-1]
-                right_end += float(self.displacement(body, length, 0.0))
+                right_end += float(self.displacement(body, length, 0.0))  # at t = 0
         return positions

@@ -157,7 +157,7 @@ def readable_until(solution: Solution, limit: int) -> float:
     """
     fields = _constant_fields(solution)
     stop = solution.t_end
-    _, last_tick = _interval(fields, 0.0, stop)  # raises without duration
+    _, last_tick = _interval(fields, 0.0, stop)  # from t = 0; raises without duration
     rods = _rods(fields)
     while last_tick > 0 and count_of_regions(rods, 0, last_tick, limit) > limit:
         stop /= 2

@@ -151,22 +151,22 @@ def _slowest_mode(fields: Fields) -> RodMode:
     return max(modes)  # by the first field, the decay time, then by the body
 
 
-def _momentum_change(fields: Fields, states: BondedGroups, vibration: Floats) -> float:
+def _momentum_change(fields: Fields, groups: BondedGroups, vibration: Floats) -> float:
     """Largest change of the row's momentum, divided by a scale; 0 if nothing moves.
 
     The scale is the sum over the movable bodies of m sqrt(2 E/m), the momentum of a
     body of mass m with all the energy E of the row. E is the largest sum of kinetic
     energy and `vibration`, J [time].
     """
-    largest_energy = (states.kinetic + vibration).max()
+    largest_energy = (groups.kinetic + vibration).max()
     scale = 0.0  # kg m/s
-    for group in states.movable_bodies:
+    for group in groups.movable_bodies:
         for body in group:
             mass = fields.clock.mass(body)
             scale += mass * math.sqrt(2 * largest_energy / mass)
     if scale == 0:
         return 0.0
-    largest_change = float(np.ptp(states.momentum))
+    largest_change = float(np.ptp(groups.momentum))  # largest less smallest
     return largest_change / scale
 
 
@@ -188,6 +188,7 @@ def _decay_time(times: Floats, vibration: Floats, round_off: float) -> float:
     if np.count_nonzero(is_late) < 3:
         return math.inf
     since_start = t[is_late] - t[0]
+    # The degree 1 is a straight line.
     slope, _ = np.polyfit(since_start, np.log(energy[is_late]), 1)
     rate = -float(slope)  # 1/s
     lowest_rate = DECAY_RATE_RTOL / duration  # 1/s; slower decay is round-off

@@ -58,7 +58,7 @@ def soil_profile(fields: Fields, body: int, tick: int) -> SoilProfile:
     rod = fields.clock.system.bodies[body]
     assert isinstance(rod, Rod)
     assert isinstance(rod.shaft, Soil)
-    at_start = fields.soil_at_nodes(body, 0)
+    at_start = fields.soil_at_nodes(body, 0)  # at the tick 0
     now = fields.soil_at_nodes(body, tick)
     x = now.places
     times = [0.0, tick * fields.clock.tick]

@@ -290,7 +290,7 @@ class Solution(Shown):
         (100.0, 0.9, 1.1)
         """
         index = self._index(body)
-        self.fields.locate(index, 0.0)  # raises for a body that is no rod
+        self.fields.locate(index, 0.0)  # any point: raises for a body that is no rod
         return self.fields.extreme_stress(index)
 
     @_ALLOW_UNDERFLOW
@@ -405,7 +405,7 @@ class Solution(Shown):
         """
         index = self._index(body)
         if not isinstance(self.system.bodies[index], Rod):
-            return self.velocity(body, 0.0, t)
+            return self.velocity(body, 0.0, t)  # at its only point
         # The mass by the rounded transit time, with which momentum is computed too
         mass = self.fields.clock.mass(index)
         return self.fields.momentum(index, t) / mass
@@ -659,7 +659,7 @@ class Solution(Shown):
                     velocity=state.velocity, strain=state.strain, shaft=shaft
                 )
             else:
-                velocity = float(self.velocity(i, 0.0, time))
+                velocity = float(self.velocity(i, 0.0, time))  # at its only point
                 body = body.replace(velocity=velocity)
             bodies.append(body)
         gaps = []

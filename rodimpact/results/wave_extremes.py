@@ -1,4 +1,4 @@
-"""Where the two waves in a segment differ most: the exact extreme of the stress.
+"""Exact extremes of the stress in a segment: where its two waves differ most.
 
 The waves A and B leave the left and the right end of a segment of transit time T. A
 part of A that left at p meets a part of B that left at q if abs(q - p) <= T: at the
@@ -7,7 +7,7 @@ is E/(2 c) times
 
     d(p, q) = B(q) - A(p).
 
-A run from t = 0 to `end` sees the convex domain with abs(q - p) <= T and
+A run from t = 0 to `end` covers the convex domain with abs(q - p) <= T and
 0 <= p + q + T <= 2 end. A and B are polynomials between breaks, and d is the difference
 of two functions of one variable each. So d is largest either on one of the four sides
 of the domain, where it is a polynomial of one variable between breaks, or inside, at
@@ -93,7 +93,7 @@ class Bounds(NamedTuple):
 
 
 class Ranges(NamedTuple):
-    """For each sample of A the samples of B with which it meets: first to stop - 1."""
+    """Indices of the samples of B that meet each sample of A: first to stop - 1."""
 
     first: Ints
     stop: Ints
