@@ -554,7 +554,7 @@ def rayleigh_love_speed(
 class PairNumbers(NamedTuple):
     """Transit times of two rods, and dimensionless numbers of their collision.
 
-    The short and the long rod are those of shorter and of longer transit time.
+    The short rod has the shorter transit time, the long rod the longer one.
     """
 
     short_time: Array  # T of the short rod, s
@@ -625,8 +625,8 @@ def _collision(**entries: Any) -> PairCollision:
 def _checked(**arguments: ArrayLike) -> tuple[Array, ...]:
     """Arguments as arrays of one shape, in the order given.
 
-    Unit and sign of each are those of `RULES` for its name without a final number, as
-    that of a rod. ValueError names all that are not finite or have the wrong sign.
+    `RULES` has the unit and the sign of each argument, under its name without a final
+    number. ValueError names all arguments that are not finite or have the wrong sign.
     """
     with_rules = {}
     for name, value in arguments.items():

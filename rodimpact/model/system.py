@@ -203,7 +203,7 @@ class System(FrozenDataclass):
         Raises
         ------
         IndexError
-            If the index is none of NumPy's, or lies outside the shape of the family.
+            If NumPy does not allow the index, or it lies outside the family's shape.
 
         Examples
         --------

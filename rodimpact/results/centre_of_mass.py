@@ -52,8 +52,8 @@ def final_displacement(run: Run, fields: Fields, body: int) -> float:
 def pushes_on(run: Run, body: int) -> FacePushes:
     """Forces on the left and the right face of a body, N, positive in compression.
 
-    Each is the force of a contact, or at an end of the row that of a wall, a drive or
-    an absorbing end. It is None at a free end of the row.
+    A contact exerts the force, or at an end of the row a wall, a drive or an absorbing
+    end. The force is None at a free end of the row.
     """
     signals = run.signals
     left_action, right_action = signals.boundary_actions  # None at a free end

@@ -98,7 +98,7 @@ class BondedGroups(NamedTuple):
 
     ticks: Ints  # [time]
     movable_bodies: list[list[int]]  # by group, see `movable_groups`
-    velocity: Floats  # [group, time], m/s, of the centre of mass; 0 where none can move
+    velocity: Floats  # [group, time], m/s, of the centre of mass; 0 if no body can move
     mass: float  # of all groups together, kg
     momentum: Floats  # [time], of all groups together, kg m/s
     kinetic: Floats  # [time], of the motion of all centres of mass, J

@@ -69,7 +69,7 @@ class SoilAtNodes(NamedTuple):
 
     places: Floats  # of the nodes, m from the left end of the rod
     ultimate: Floats  # ultimate resistance, N
-    mobilised: Floats  # share of it, from -1 to 1
+    mobilised: Floats  # static over ultimate resistance, from -1 to 1
 
 
 class GridFields(Fields):
@@ -522,8 +522,8 @@ class GridFields(Fields):
     def _loaded_ends(self, body: int) -> tuple[LoadedEnd, LoadedEnd]:
         """The two ends of a rod, left and right, with the forces on them.
 
-        A force is that of a contact, or at an end of the row that of a wall, a drive or
-        an absorbing end. Forces are means over each time step, N; None at a free end.
+        A contact exerts the force, or at an end of the row a wall, a drive or an
+        absorbing end. Forces are means over each time step, N; None at a free end.
         """
         contacts = self.signals.contacts
         # Actions at the ends of the row; any other end of a rod has a contact instead.

@@ -1,12 +1,12 @@
-"""Velocities of the nodes of a grid, less the motion that viscosity leaves in its mesh.
+"""Velocities of the nodes of a grid, without the oscillation that viscosity leaves.
 
 In damped rods these are the rates at which displacements change over two steps,
 
     (v[n - 1] + 2 v[n] + v[n + 1])/4.
 
-Viscosity leaves a motion that changes its sign from node to node and from step to step,
-since its mean over a step is 0. Contacts excite it, and it would be most of the error
-at an end. It is no part of displacements.
+Viscosity does not damp a motion that changes its sign from node to node and from step
+to step, since the mean of this motion over a step is 0. Contacts excite it, and it
+would be most of the error at an end. Displacements do not contain it.
 """
 
 import numpy as np

@@ -1,7 +1,8 @@
-"""The closed form of `rodimpact.theory` that holds for a collision or a family of them.
+"""Closed form of `rodimpact.theory` for a collision, or for a family of collisions.
 
-There is one for two bodies that meet rigidly, two uniform rods or one and a wall or a
-rigid mass, which do not vibrate before and on which nothing else acts.
+There is a closed form for two uniform rods, and for a uniform rod and a wall or a rigid
+mass. The contact must be rigid, the bodies must not vibrate before, and no other force
+may act.
 """
 
 from __future__ import annotations

@@ -136,7 +136,7 @@ class SegmentWaves(NamedTuple):
         # Gauss's rule with as many points as coefficients is exact for the squares.
         point_count = max(rightward.coefficient_count, leftward.coefficient_count)
         shares, weights = quadrature(point_count)  # points from 0 to 1, in an interval
-        # Values less the velocity, [interval, point]
+        # Waves minus the velocity, [interval, point]
         A = rightward.inside(edges[:-1], edges[1:], shares) - velocity
         B = leftward.inside(edges[:-1], edges[1:], shares) - velocity
         total = A + B

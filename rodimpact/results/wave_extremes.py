@@ -256,7 +256,7 @@ def _partners(domain: Domain, p: Ints, q: Ints) -> Ranges:
     """
     T = domain.T
     # p + q + T is twice the tick of a meeting: 0 at t = 0, and less than 2 end, since
-    # meetings at the last tick itself are those of a side.
+    # meetings at the last tick itself belong to a side of the domain.
     earliest_q = np.maximum(p - T, -T - p)
     latest_q = np.minimum(p + T, 2 * domain.end - T - p - 1)
     first = q.searchsorted(earliest_q, side="left")
@@ -420,14 +420,14 @@ def _zeros(series: Floats, chosen: Ints) -> Zeros:
 def _degrees(series: Floats) -> Ints:
     """Degree of each series without its negligible last coefficients, [series].
 
-    See `NEGLIGIBLE_COEFFICIENT`. A series of zeros has no coefficient that counts, and
-    gets the full degree.
+    See `NEGLIGIBLE_COEFFICIENT`. A series whose coefficients are all 0 gets the full
+    degree.
     """
     sizes = np.abs(series)
     largest = sizes.max(axis=1, keepdims=True)
     is_counted = sizes > largest * NEGLIGIBLE_COEFFICIENT
-    # Number of coefficients behind the last one that counts: index of the first True,
-    # backwards
+    # Number of negligible coefficients at the end: index of the first True, counted
+    # from the end
     negligible = np.argmax(is_counted[:, ::-1], axis=1)
     return np.asarray(series.shape[1] - 1 - negligible)
 
