@@ -24,14 +24,14 @@ from .messages import as_options, complain
 COMMANDS = {
     "box": "describe and draw three textbook collisions of elastic rods",
     "run": "solve a case file",
-    "sweep": "solve a family of collisions: numbers of a case vary",
-    "bearing": "compute the bearing graph of a pile: blow count against resistance",
+    "sweep": "solve many collisions, in which numbers of a case vary",
+    "bearing": "compute the bearing graph of a pile: blows per metre of set",
     "compare": "compare a measured record with computed strains",
     "reduce": "compute stress and strain of a specimen between two bars",
     "explore": "open a page with sliders in the browser",
     "export": "write a page with sliders to a file",
     "animate": "make an animation of a case: GIF or MP4",
-    "formula": "solve a case in symbols: formulas, and conditions for them",
+    "formula": "solve a case in symbols: formulas and their conditions",
     "rigid": "compute a collision of two rigid bodies",
     "verify": "check each method against a closed form",
     "materials": "list the materials, with the source of each number",
@@ -292,7 +292,10 @@ def _program_parser() -> argparse.ArgumentParser:
         help="one of the commands below",
     )
     parser.add_argument(
-        "arguments", nargs=argparse.REMAINDER, metavar="...", help="its arguments"
+        "arguments",
+        nargs=argparse.REMAINDER,
+        metavar="...",
+        help="arguments of the command",
     )
     return parser
 

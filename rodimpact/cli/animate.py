@@ -2,9 +2,9 @@
 
 rodimpact animate CASE.toml -o collision.gif
 
-FILE ends in .gif or .mp4; ffmpeg is needed for .mp4. `rodimpact export` makes a page
-with a play button. [output] of the case is ignored. The exit status is 3 if the run
-stopped early; the animation then ends at this time.
+FILE ends in .gif or .mp4; a .mp4 file needs ffmpeg. `rodimpact export` makes a page
+with a play button. The command ignores [output] of the case. If the run stopped early,
+the animation ends at the same time as the run, and the exit status is 3.
 """
 
 import argparse

@@ -28,13 +28,13 @@ from .messages import (
 
 T = TypeVar("T")
 RUN_NUMBERS = {
-    "until": ("time", "end of the run; default: that of the case"),
+    "until": ("time", "end of the run; default: the end in the case"),
     "dt": ("time", "time step of finite-difference"),
     "rtol": ("dimensionless", "accepted relative error of the outcome"),
-    "max_events": ("", "largest number of events; default: that of the case"),
+    "max_events": ("", "largest number of events; default: the number in the case"),
     "cells": (
         "",
-        "cells of finite-difference in the rod with the longest transit time",
+        "number of cells of finite-difference in the rod with the longest transit time",
     ),
     "snapshots": ("", "number of states that finite-difference stores"),
 }
@@ -332,7 +332,7 @@ def add_run_options(
 ) -> None:
     """Add the method, and some of the numbers in `RUN_NUMBERS`."""
     parser.add_argument(
-        "--method", choices=METHOD_NAMES, help="default: method of the case"
+        "--method", choices=METHOD_NAMES, help="method; default: the method in the case"
     )
     for name in names:
         dimension, help_text = RUN_NUMBERS[name]

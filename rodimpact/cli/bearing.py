@@ -1,15 +1,21 @@
 """Compute the bearing graph of a pile: blows per metre of set against resistance.
 
 rodimpact bearing CASE.toml --resistance 200kN:1000kN:5
-    --resistance "300 kN,500 kN" --shaft-share 0.3
+rodimpact bearing CASE.toml --resistance "300 kN,500 kN" --shaft-share 0.3
 
-The bodies of the case are a moving ram, masses such as a helmet, the pile, and a wall.
-The contact of the pile with the wall has the law "smith-toe". Each resistance is
-divided between shaft and toe as in the case, or by --shaft-share. Quakes and damping
-stay the same. For each resistance one blow is solved, until no soil can yield any more.
-The ram is caught (removed) after its first bounce. If gravity acts, the pile is at rest
-before the blow. All results are in SI units. [solve] and [output] of the case are
-ignored. The exit status is 3 if a blow is not over; the table gives the reason.
+The toe is the lower end of a pile, and the shaft is the side of a pile. The set is the
+permanent displacement of the soil below the toe after one blow. The quake is the
+displacement at which the soil yields.
+
+The bodies of the case are a moving ram, masses such as a helmet on the head of the
+pile, the pile, and a wall. The contact of the pile with the wall has the law
+"smith-toe". The command divides each resistance between shaft and toe as in the case,
+or by --shaft-share. Quakes and damping stay the same. For each resistance the command
+solves one blow, until no soil can yield any more. The command removes the ram at the
+top of its bounce at the latest. If gravity acts, the pile is at rest before the blow.
+
+All results are in SI units. The command ignores [solve] and [output] of the case. The
+exit status is 3 if a blow is not over; the table gives the reason.
 """
 
 import argparse
@@ -33,7 +39,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--resistance",
         metavar="GRID",
         required=True,
-        help="ultimate resistances of shaft and toe together: start:stop:count, "
+        help="ultimate resistances, sums for shaft and toe: start:stop:count, "
         f"start:stop:count:log or a list, such as {EXAMPLE}",
     )
     add_number(

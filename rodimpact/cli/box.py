@@ -2,9 +2,10 @@
 
 Two identical rods collide, a rod hits a rigid wall, and two rods of different length
 collide. The longest rod is 1 m long, the cross-sectional area is 1 cm^2, and the speed
-is 1 m/s. The command also solves sixty pairs of rods, and compares the coefficient of
-restitution e with l1/l2, the ratio of their lengths. The figures are written to the
-directory of --output, with a page, index.html, which shows them.
+of impact is 1 m/s. The command also solves sixty pairs of rods with the lengths l1 and
+l2, and compares the coefficient of restitution e with the ratio l1/l2. The command
+writes the figures to the directory of --output, and also a page with all figures,
+index.html.
 """
 
 import argparse
@@ -65,7 +66,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         parser,
         "--ratio",
         "dimensionless",
-        "ratio l1/l2 of the two different lengths, at most 1; default 0.4",
+        "ratio l1/l2 of the lengths in the third collision, at most 1; default 0.4",
         default=0.4,
     )
     parser.add_argument(

@@ -2,10 +2,13 @@
 
 rodimpact compare CASE.toml RECORD.csv --gauge incident=1:0.5 --start -20us --stop 120us
 
-The name of a gauge is the name of its channel in the record. The computed strain is
-shifted in time and multiplied by a factor, so that it fits the record best. --shift and
---scale fix the shift and the factor. Then the pulses of both strains are timed. The
-exit status is 3 if the run stopped early.
+The name of a gauge is the name of its channel in the record. The command shifts the
+computed strain in time and multiplies the strain by a factor. The command chooses the
+shift and the factor with the smallest misfit. --shift fixes the shift, and --scale
+fixes the factor. The misfit is the root mean square of the difference, divided by the
+plateau of the record. A table lists start, width, rise and plateau of the measured
+pulse and of the computed pulse. The exit status is 3 if the run stopped early, for
+example at --max-events.
 """
 
 import argparse
@@ -75,20 +78,21 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         compared,
         "--scale",
         "dimensionless",
-        "fix the factor by which the computed strain is multiplied",
+        "fix the factor of the computed strain; the record must be a strain",
     )
     add_number(
         compared,
         "--carried",
         "length",
-        "propagate the computed pulse by this distance along a round bar, with exact "
-        "dispersion; --gauge is then a position near the struck end",
+        "distance from the position of --gauge, near the struck end, to the true "
+        "gauge: the command propagates the computed pulse by this distance along a "
+        "round bar, with exact dispersion",
     )
     add_number(
         compared,
         "--radius",
         "length",
-        "radius of this bar, if the case gives no diameter",
+        "radius of the round bar of --carried, if the case gives no diameter",
     )
     record_options.add_record_options(parser)
     add_run_options(parser)

@@ -1,4 +1,4 @@
-"""Show versions and the folder of compiled code; with --warm, compile all solvers.
+"""Show versions and the folder of compiled code; with --warm, compile all methods.
 
 The exit status is 1 if --warm cannot compile.
 """
@@ -23,7 +23,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--warm",
         action="store_true",
-        help="compile all solvers now, so that later runs need not wait",
+        help="compile all methods now, so that later runs need not wait",
     )
     parser.add_argument("--json", action="store_true", help="print JSON")
 

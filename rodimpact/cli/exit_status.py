@@ -10,13 +10,16 @@ UNVERIFIED = 4
 INTERRUPTED = 130
 STATUSES = {
     DONE: "done",
-    FAULT: "an output cannot be written, or rodimpact has a bug",
+    FAULT: (
+        "an output cannot be written, `rodimpact doctor --warm` cannot compile, or "
+        "rodimpact has a bug"
+    ),
     MISTAKE: (
         "the call or the case has a mistake, or a file exists and --force is missing"
     ),
     INCOMPLETE: (
-        "a run stopped early, and its results so far are printed; or the verdict of "
-        "`rodimpact reduce --strict` has a doubt"
+        "a run stopped early, or a blow is not over, and the results so far are "
+        "printed; or the verdict of `rodimpact reduce --strict` has a doubt"
     ),
     UNVERIFIED: "verification failed",
     INTERRUPTED: "interrupted by Ctrl-C",

@@ -1,8 +1,8 @@
 """Open a page in the browser: sliders, moving rods, space-time diagram.
 
 The page solves a collision again whenever a slider moves. Without a case, the page
-begins with two rods of different length. The page is written to a temporary file, and
-the path of this file is printed.
+begins with two rods of different length. The command writes the page to a temporary
+file and prints the path of this file.
 """
 
 import argparse

@@ -1,4 +1,4 @@
-"""Write a page with sliders to a file, which any browser shows offline.
+"""Write a page with sliders to a file; any browser shows the page offline.
 
 The page contains a solver for the collision, so its sliders work. This solver cannot
 solve every case: damping, for example, is not possible. For such a case

@@ -2,11 +2,14 @@
 
 rodimpact formula CASE.toml --symbols length,area
 
-The command also prints the conditions under which the formulas hold. A symbol replaces
-a number of the case. Give the path of the number, such as bodies.0.length, or the last
-word of the path: length stands for all lengths. The symbols transit_time and impedance
-replace the lengths, areas and materials of rods. Stepped rods with many symbols take
-minutes; fewer --symbols take less time.
+The formulas hold under conditions. The command prints the three conditions whose limits
+are nearest to the case; --conditions prints all conditions. The command needs SymPy:
+pip install '.[sympy]'.
+
+A symbol replaces a number of the case. Give the path of the number, such as
+bodies.0.length, or the last word of the path: length stands for all lengths. The
+symbols transit_time and impedance replace the lengths, areas and materials of rods.
+Stepped rods with many symbols take minutes; fewer --symbols take less time.
 """
 
 import argparse
@@ -31,7 +34,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--conditions",
         action="store_true",
-        help="print all conditions under which a formula holds, one per line",
+        help="print all conditions of each formula, one per line",
     )
     parser.add_argument("--latex", action="store_true", help="print LaTeX")
 

@@ -33,7 +33,8 @@ def add_gauge_option(parser: argparse.ArgumentParser, meaning: str) -> None:
         metavar=GAUGE_FORM,
         action="append",
         default=[],
-        help=f"{meaning}: incident=1:0.5 is 0.5 m from the left end of body 1",
+        help=f"{meaning}: incident=1:0.5 is 0.5 m from the left end of body 1; the "
+        "first body is body 0",
     )
 
 

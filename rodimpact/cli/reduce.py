@@ -3,17 +3,18 @@
 rodimpact reduce CASE.toml RECORD.csv --length 3.2mm --diameter 6.34mm
     --gauge incident=0:0.381 --gauge transmitted=1:0.381
 
-The case file contains the two bars as neighbouring rods with their lengths. The case
-with which the shot was planned can be used. The specimen is between the two rods. Each
-rod has one or two gauges. The name of a gauge is the name of its channel in the record.
+A shot is one experiment. The case file contains the two bars as neighbouring rods: the
+input bar on the left, and the output bar on the right. The specimen is between the two
+bars. You can use the case file with which you planned the shot. Each bar has one or two
+gauges. The name of a gauge is the name of its channel in the record.
 
 If the record contains separate pulses, give the channel of each pulse:
     rodimpact reduce CASE.toml PULSES.csv --length 3.2mm --diameter 6.34mm
     --incident i=0:0.381 --reflected r=0:0.381 --transmitted t=1:0.381 --clock own
 
 If each bar has a single gauge at which waves overlap, --equal-forces separates the
-waves. For a striker that hits the specimen itself, give --direct-impact. The bodies of
-the case are then the striker, with its velocity, and the bar.
+waves. For a striker that hits the specimen itself, give --direct-impact. Then the
+bodies of the case are the striker, with its velocity, and the output bar.
 
 The first lines of the output are a verdict: equilibrium, peak stress, strain rate and
 energy. The next lines give each doubt about the shot, with a value and a remedy. With
@@ -48,7 +49,7 @@ PULSES = ("incident", "reflected", "transmitted")
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add arguments: the bars, the record, the specimen, the waves, the outputs."""
     record_options.add_case_and_record(parser)
-    parser.add_argument("--csv", metavar="FILE", help="write all columns over time")
+    parser.add_argument("--csv", metavar="FILE", help="write all results against time")
     parser.add_argument(
         "--strict", action="store_true", help="exit status 3 if the verdict has a doubt"
     )
@@ -84,22 +85,23 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     waves.add_argument(
         "--equal-forces",
         action="store_true",
-        help="separate overlapping waves when each bar has a single gauge; this "
-        "assumes equal forces on both faces and a free far end of the output bar",
+        help="separate the waves that overlap at the only gauge of each bar; the "
+        "command then assumes equal forces on both faces of the specimen, and a free "
+        "far end of the output bar",
     )
     waves.add_argument(
         "--direct-impact",
         action="store_true",
-        help="a striker hits the specimen itself; in the case the striker is the body "
-        "to the left of the bar with the gauges, and has a velocity",
+        help="a striker hits the specimen itself; in CASE.toml the striker is the body "
+        "to the left of the output bar, with a velocity",
     )
     waves.add_argument(
         "--clock",
         choices=CLOCKS,
         default="common",
-        help="common (the default) if the separate pulses share one time axis; own if "
-        "each pulse has its own time axis: then the pulses are aligned at their "
-        "beginnings",
+        help="common (the default): the separate pulses share one time axis; own: each "
+        "pulse has its own time axis, and the command aligns the beginnings of the "
+        "pulses",
     )
     waves.add_argument(
         "--compression",
@@ -111,9 +113,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         waves,
         "--align-within",
         "time",
-        "largest time shift of the reflected and the transmitted wave; these waves are "
-        "shifted so that the forces on both faces agree while the specimen is "
-        "elastic, and the verdict shows how well the forces agree",
+        "shift the reflected and the transmitted wave by at most this time, so that "
+        "the forces on both faces agree while the specimen is elastic; default: 0, no "
+        "shift",
         default=0.0,
     )
     record_options.add_record_options(parser)

@@ -2,8 +2,8 @@
 
 rodimpact rigid --m1 2 --v1 0.5 --m2 10 --v2 0.2 -e 1
 
-The momentum is conserved. The coefficient of restitution e is given: it is the speed of
-separation divided by the speed of approach.
+The momentum is conserved. --restitution gives the coefficient of restitution e: the
+speed of separation divided by the speed of approach.
 """
 
 import argparse

@@ -1,7 +1,8 @@
 """Solve a case file and print the outcome.
 
 A number may have a unit: --until "2 ms". File names are relative to the current
-directory. The exit status is 3 if a limit on events or on time stopped the run early.
+directory. The exit status is 3 if the run stopped early: at --max-events, or at the
+largest time that the method can represent. A run that ends at --until is complete.
 """
 
 import argparse

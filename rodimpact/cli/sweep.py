@@ -6,16 +6,16 @@ rodimpact sweep CASE.toml --vary bodies.0.length=0.05:1:200
 A grid is start:stop:count, or start:stop:count:log for equal ratios, or a list. A
 number may have a unit. Each --vary with a grid adds an axis to the family.
 
---vary PATH=0.5*OTHER adds no axis: this number is 0.5 times another number. OTHER is
-the path of the other number, or a name of your own such as R. Units must agree: if R is
-a force, 0.5*R/2.5mm is a stiffness.
+--vary PATH=0.5*OTHER adds no axis. It makes the number at PATH 0.5 times the number
+OTHER, which must vary. OTHER is a path, or a name of your own such as R. A divisor may
+follow OTHER. Units must agree: if R is a force, 0.5*R/2.5mm is a stiffness.
     --vary R=200kN:1000kN:5 --vary "contacts.1.yield_force=0.5*R"
     --vary "contacts.1.stiffness=0.5*R/2.5mm"
 
-Options of this command override those in [solve] of the case. If neither the command
-nor the case gives an end, each collision is solved until it is proved to be over.
-[output] of the case is ignored. The exit status is 3 if some collisions stopped early;
-the status of each collision gives the reason.
+Options of this command override the entries of [solve] in the case. If neither the
+command nor the case gives an end, the solver follows each collision until it has proved
+that the collision is over. The command ignores [output] of the case. The exit status is
+3 if some collisions stopped early; the status of each collision gives the reason.
 """
 
 import argparse
@@ -45,7 +45,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         help=f"path of a number and its values, such as {EXAMPLE}; or "
-        "PATH=FACTOR*OTHER; --vary may be given several times",
+        "PATH=FACTOR*OTHER/DIVISOR, with or without FACTOR and DIVISOR; --vary may be "
+        "given several times",
     )
     add_number(
         parser, "--workers", "", "number of threads; default: one for each processor"

@@ -1,9 +1,10 @@
 """Blows on a pile, one after another, each until the soil can yield no more.
 
-The ram is caught after its first bounce, and so are masses such as a helmet that rise
-from the pile with it: the pile then comes to rest without them. A blow is over when the
-remaining motion has too little energy to make soil yield again. The set is then known,
-and so is the equilibrium to which damping brings the pile: the next blow begins there.
+The ram is caught at the top of its bounce at the latest, and so are masses such as a
+helmet that rise from the pile with it: the pile then comes to rest without them. A blow
+is over when the remaining motion has too little energy to make soil yield again. The
+set is then known, and so is the equilibrium to which damping brings the pile: the next
+blow begins there.
 """
 
 from __future__ import annotations
