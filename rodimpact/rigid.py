@@ -363,7 +363,8 @@ def stack_drop(
     the third one, and so on upwards. Each pair collides once: later collisions of the
     same two balls are left out. In contrast, `solve` treats contacts that close at the
     same time as one collision. With a small gap between two balls, such as
-    ``gaps=[1.0, 1e-6]`` above a wall, `solve` also computes one collision after another.
+    ``gaps=[1.0, 1e-6]`` above a wall, `solve` also computes one collision after
+    another.
 
     Parameters
     ----------
