@@ -65,6 +65,7 @@ FIRST_FIGURES = ("student", 2)
 WHOLE_PAGES = [(page, None) for page in page_figures.PAGES]
 
 
+@pytest.mark.exhaustive
 @pytest.mark.parametrize("part", few_of([FIRST_FIGURES, *WHOLE_PAGES], [FIRST_FIGURES]))
 def test_committed_figures_are_those_of_their_cells(part, tmp_path, monkeypatch):
     """A part is a page, and how many of its figures are drawn: None for all."""

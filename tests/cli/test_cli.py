@@ -482,6 +482,7 @@ def test_the_interval_of_gauges_resolves_a_short_blow(case, refuses):
     refuses(["run", str(case), "--interval", "2 us"], message)
 
 
+@pytest.mark.exhaustive
 @pytest.mark.skipif(os.name == "nt", reason="names are text there")
 def test_file_names_that_are_no_text_are_used_and_names_of_gauges_refused(
     case, refuses

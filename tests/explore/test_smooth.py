@@ -135,7 +135,7 @@ def solve(case):
 
 
 @needs_node
-@pytest.mark.parametrize("seed", few_of(range(18), {11, 17}))
+@pytest.mark.parametrize("seed", few_of(range(18), {11}))
 def test_random_rows_on_the_page_are_those_of_solve_within_the_stated_errors(seed):
     case = random_row(seed)
     (scene,) = solved_by_the_page([case])

@@ -223,6 +223,7 @@ def tied_fit(shot):
     return fitted(shot.records, vary)
 
 
+@pytest.mark.exhaustive
 def test_records_share_the_numbers_that_are_tied(tied_fit):
     """Gain, shift and blur, each one for both records, are found within 2 % and four
     standard errors.
@@ -352,6 +353,7 @@ def with_additions(request):
     return FitWithAdditions(needed, fit)
 
 
+@pytest.mark.exhaustive
 def test_the_addition_that_a_record_needs_earns_its_place_and_predicts_best(
     with_additions,
 ):

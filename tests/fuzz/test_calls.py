@@ -140,6 +140,7 @@ def test_each_bad_value_of_each_argument_is_answered_or_refused_in_a_sentence(na
                 check_spoilt(call, parameter, label)
 
 
+@pytest.mark.exhaustive
 @pytest.mark.filterwarnings("ignore::rodimpact.DoubtfulReduction")
 @pytest.mark.parametrize("seed", SEEDS)
 def test_several_bad_arguments_are_answered_or_refused_in_a_sentence(seed):

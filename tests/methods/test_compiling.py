@@ -254,6 +254,7 @@ def test_without_a_place_for_machine_code_it_is_made_in_each_process(
         assert kernel.files() == []
 
 
+@pytest.mark.exhaustive
 def test_a_full_disk_is_no_failure(cache, monkeypatch):
     """The kernel is compiled without a warning, and no index is kept."""
 

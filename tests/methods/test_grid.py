@@ -970,6 +970,7 @@ def test_ends_that_approach_at_the_start_have_no_negative_gap(strain):
         assert np.all(gap[1:40] > 0)  # after each of the first steps
 
 
+@pytest.mark.exhaustive
 def test_a_peak_that_grows_with_the_mesh_is_named(monkeypatch):
     """Flat ends of viscous rods meet with a force that has no largest value."""
     monkeypatch.setattr(finite_difference, "MIN_LONGEST_CELLS", 16)

@@ -73,6 +73,7 @@ def test_the_stated_error_of_a_driven_rod_is_none_too_small():
     assert_error_of_last_velocity_is_stated(solution, exact)
 
 
+@pytest.mark.exhaustive
 def test_the_stated_error_of_a_driven_rod_with_a_bonded_mass_is_none_too_small():
     """The velocity of the rod is compared with that by characteristics."""
     mass = ri.RigidMass(0.25, velocity=1.0)

@@ -179,6 +179,7 @@ def test_threads_that_take_more_than_their_share_go_one_after_the_other(monkeypa
     assert not memory._turn.locked()
 
 
+@pytest.mark.exhaustive
 def test_members_larger_than_the_share_of_a_thread_run_in_turn_and_as_alone(
     monkeypatch,
 ):

@@ -100,6 +100,7 @@ MEDIANS = {
 LEAST_ERROR = 1e-14  # true one that a finer run can show
 
 
+@pytest.mark.exhaustive
 @pytest.mark.parametrize(
     "seeds", few_of([range(50, 58), range(40, 60)], [range(50, 58)])
 )

@@ -191,6 +191,7 @@ def test_displacements_are_magnified(solved, magnified_film):
     assert tuple(in_rod) != WHITE
 
 
+@pytest.mark.exhaustive
 @pytest.mark.parametrize("number", [1, 4])
 def test_the_future_is_hidden_and_the_past_is_that_of_the_end(film, number):
     """In the diagram all is white above the present time, and below it all pixels are
@@ -227,6 +228,7 @@ def film_with_approach(solved):
     return plot.animation(solved["unequal"], frames=41, fps=20, magnification=2000.0)
 
 
+@pytest.mark.exhaustive
 def test_a_film_begins_with_the_approach_in_frames_at_equal_steps(
     solved, film_with_approach
 ):

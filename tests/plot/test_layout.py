@@ -83,6 +83,7 @@ def test_the_page_magnifies_as_figures_do_in_the_same_frame(layout, row):
     assert frame_is_named == frame_moves
 
 
+@pytest.mark.exhaustive
 def test_figures_magnify_by_the_same_factor_in_the_same_frame(solution, layout):
     diagram = plot.spacetime(solution, coordinates="lab")
     snapshots = plot.snapshots(solution, times=[0.0, solution.t_end])
@@ -104,6 +105,7 @@ def test_films_magnify_by_the_same_factor(solution, layout):
     assert layout.scale in label
 
 
+@pytest.mark.exhaustive
 def test_the_page_and_the_figures_draw_bodies_at_the_same_places(solution, layout, row):
     """Left ends of all bodies are compared at five times."""
     tolerance = 1e-6 * layout.row_length

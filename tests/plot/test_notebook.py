@@ -65,6 +65,7 @@ def solution():
     return ri.solve(ri.System([rod(0.4, 1.0), rod()]))
 
 
+@pytest.mark.exhaustive
 def test_a_solution_shows_its_overview_and_its_table(solution):
     html = solution._repr_html_()
 

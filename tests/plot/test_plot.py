@@ -257,6 +257,7 @@ def test_a_crowd_has_lines_at_its_strongest_fronts_alone(crowded_picture):
     assert length_of_all_lines <= width * height / 12
 
 
+@pytest.mark.exhaustive
 def test_the_strongest_front_of_a_crowd_has_a_line(crowded_picture):
     """The first front into the struck rod is 0.5 m/s strong, most others are faint."""
     impact = np.array([0.4, 0.0])  # m, us

@@ -45,6 +45,7 @@ def test_the_outline_of_the_striker_is_drawn_to_scale(striker):
     assert edges[-1] == pytest.approx(rod.length)
 
 
+@pytest.mark.exhaustive
 def test_a_given_axes_takes_the_pulses_alone(striker):
     ax = Figure().add_subplot()
 

@@ -173,6 +173,7 @@ def test_displacements_are_those_of_the_solution_and_linear_between(solved, name
         assert means[i] == pytest.approx(in_frame, abs=tolerance)
 
 
+@pytest.mark.exhaustive
 @pytest.mark.parametrize("field", ["displacement", "energy"])
 def test_the_frame_of_displacement_and_energy_is_named(solved, field):
     drifting = plot.spacetime(solved["drifting"], axes(), field)

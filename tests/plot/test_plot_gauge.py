@@ -34,6 +34,7 @@ def struck_bar_solution():
     return ri.solve(system, 6e-4)
 
 
+@pytest.mark.exhaustive
 @pytest.mark.parametrize("strain", [1e-4, -3e-4])
 def test_the_limits_hold_all_that_is_drawn_and_no_more_than_twice_as_much(strain):
     system = ri.System([rod(0.5, strain=strain)])
@@ -93,6 +94,7 @@ def test_the_transmitted_pulse_beyond_a_specimen_is_drawn_and_shaded():
     assert "transmitted strain" in legend(picture)
 
 
+@pytest.mark.exhaustive
 def test_windows_of_smooth_waves_are_those_of_the_pulse_of_the_striker():
     bars = [rod(0.2, 10.0), rod(), rod()]
     system = ri.System(bars, contacts=[ri.Rigid(), ri.Spring(4e8)])

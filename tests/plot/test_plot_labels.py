@@ -182,6 +182,7 @@ def test_a_short_rod_is_named_in_films(solved):
     assert names == ["\nrod 1", "\nrod 2"]  # in the line below the numbers
 
 
+@pytest.mark.exhaustive
 def test_a_short_rod_is_named_in_snapshots(solved):
     picture = plot.snapshots(solved["short"])
 
@@ -232,6 +233,7 @@ def test_words_along_fronts_keep_clear_of_the_contact(solved, width):
         assert distance > half_width(word, dpi) + half_line
 
 
+@pytest.mark.exhaustive
 def test_every_narrow_piece_has_its_own_label(solved):
     """The second snapshot has four pieces, two of which are narrow."""
     with plot.look(width=85):
@@ -403,6 +405,7 @@ def test_a_map_of_members_in_no_order_is_refused_with_a_remedy_that_works():
 # Windows
 
 
+@pytest.mark.exhaustive
 def test_show_names_the_file_of_the_figure_without_a_display(
     solved, capsys, monkeypatch
 ):

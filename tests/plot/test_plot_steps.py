@@ -167,6 +167,7 @@ CASES = list(itertools.product(SYSTEMS, FIELDS))
 USUAL = [("stepped", "strain")]
 
 
+@pytest.mark.exhaustive
 @pytest.mark.parametrize("case", few_of(CASES, USUAL))
 def test_cells_hold_the_mean_of_the_field_over_their_time(solved, case):
     """The mean is that of 400 samples of the solution in the middle of each cell."""
@@ -278,6 +279,7 @@ def test_a_fixed_end_is_hatched_like_a_wall(method):
     assert faces_of_snapshots == pytest.approx([1.4, 1.4])
 
 
+@pytest.mark.exhaustive
 def test_an_absorbing_end_is_dashed_and_no_other(solved):
     picture = plot.spacetime(solved["hopkinson"], axes())
 
@@ -287,6 +289,7 @@ def test_an_absorbing_end_is_dashed_and_no_other(solved):
     assert last_dashes is not None
 
 
+@pytest.mark.exhaustive
 def test_contacts_press_as_long_as_their_episodes(solved):
     """Lines of pressing last as long as the force of all episodes, in sum."""
     solution = solved["hertz"]

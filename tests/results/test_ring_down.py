@@ -47,6 +47,7 @@ def test_without_damping_vibration_never_decays():
     assert "never" in str(decay)
 
 
+@pytest.mark.exhaustive
 def test_the_body_that_vibrates_longest_is_the_longest_rod_beside_a_mass():
     mass = ri.RigidMass(0.1, velocity=-1.0)
     bodies = [*pair(LOSSY).bodies, mass]

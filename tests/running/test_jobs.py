@@ -143,6 +143,7 @@ def test_a_worker_gets_about_eight_jobs_if_there_are_so_many(
     assert len(cluster.durations) == jobs_run
 
 
+@pytest.mark.exhaustive
 def test_an_executor_that_does_not_say_is_taken_to_have_64_workers(clock):
     cluster = Cluster(2, 2048, clock)
     ri.sweep(family(np.ones(2048)), "finite-difference", executor=cluster)

@@ -540,6 +540,7 @@ def test_results_of_other_types_are_refused(result, said):
         ri.parse_case(f"schema = 1\n{result}\n{case}")
 
 
+@pytest.mark.exhaustive
 def test_a_file_that_ends_anywhere_is_refused_or_lacks_only_its_last_tables():
     """It is a case without an outcome, or all is there but stated errors."""
     text = ri.format_case(saved_case())

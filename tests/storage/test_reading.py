@@ -92,6 +92,7 @@ def test_a_small_file_of_many_zeros_is_refused_before_it_takes_memory(
         tracemalloc.stop()
 
 
+@pytest.mark.exhaustive
 def test_a_file_is_refused_with_a_figure_only_if_it_takes_half_of_the_memory(
     saved, monkeypatch
 ):

@@ -90,6 +90,7 @@ with open_for_writing("a") as file:
 """
 
 
+@pytest.mark.exhaustive
 @pytest.mark.parametrize("signal_name", few_of(["SIGTERM", "SIGINT"], ["SIGINT"]))
 @pytest.mark.usefixtures("children_hear_signals")
 def test_a_half_written_file_never_bears_the_name_and_an_interrupt_removes_it(
