@@ -65,7 +65,7 @@ def group_of(run, contact, right):
     node = run.layout.contacts[contact]
     records = records_of(run)
     finality.find_mean_motions(records, node, run.run.now)
-    finality.bound_deviations(records, node, run.run.now)
+    finality.set_deviations(records, node, run.run.now)
     return run.segments[node + right]
 
 

@@ -53,7 +53,7 @@ def separation_of(run: ExactRun, contact: int, tick: Any) -> Separation:
     if is_bounded and right.min_end_velocity >= left.max_end_velocity:
         return Separation(_wave_conditions(run, k), uses_energy=False)
 
-    finality.bound_deviations(simulation, k, tick)
+    finality.set_deviations(simulation, k, tick)
     # Gap at the tick if both faces were where the mean motions of their bodies put them
     mean_gap = (
         node.gap

@@ -476,10 +476,13 @@ def mean_power(k: float, p: float, x0: float, x1: float) -> tuple[float, float]:
 def load_plastically(link: Any, x0: float, x1: float) -> tuple[float, float, int]:
     """Load a yielding contact from overlap x0 to x1, along its table.
 
-    x0 is at most the overlap at which it yields, and x1 is larger. The force rises with
-    the stiffness k to the yield force, then with the slope `hardening_share` k to the
-    force knots[next_knot], and after knots[i] with the slope shares[i] k. The table
-    ends with a force that is never reached. The link is not changed.
+    Overlaps do not contain the permanent indentation, so that the elastic force is k x,
+    with the stiffness k. x0 < 0 is a gap, without force. x0 is at most the overlap at
+    which the contact yields, and x1 is larger. The force rises to the yield force, then
+    with the slope `hardening_share` k, that of the present row of the table, to the
+    force knots[next_knot], and after this and each later knot i with the slope
+    shares[i] k. The table ends with a force that is never reached. The link is not
+    changed.
 
     Returns
     -------
@@ -492,12 +495,13 @@ def load_plastically(link: Any, x0: float, x1: float) -> tuple[float, float, int
     """
     k = link.stiffness
     knot = link.next_knot
-    # (x, force) is the point of the load line reached so far, first the yield point.
+    # (x, force) is the point of the load line reached so far. It begins at the yield
+    # point, which is still on the elastic line F = k x.
     force = link.yield_force
     x = force / k
     start = max(x0, 0.0)  # there is no force in a gap
     work = (x - start) * (force + k * start) / 2  # trapezium of the elastic line
-    slope = link.hardening_share * k
+    slope = link.hardening_share * k  # of the present row, up to knots[knot]
     knots = link.knots
     # Go to the next knot if the present line reaches its force before x1.
     while force + slope * (x1 - x) > knots[knot]:

@@ -76,7 +76,7 @@ class Row:
         """Number of members of the family; 1 for a single system."""
         return math.prod(self.system.shape)
 
-    def of(self, value: Any) -> Array:
+    def by_member(self, value: Any) -> Array:
         """`value`, a number or an array of the family, for each member, [member].
 
         The members are in C order. The result is a new array of floats.

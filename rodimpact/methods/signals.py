@@ -28,7 +28,7 @@ class Pieces:
     Piece i lasts from ticks[i] to ticks[i + 1], the last one to `end`. It is a sum of
     Chebyshev polynomials of the piece's own variable y, which runs from -1 at its start
     to 1 at its stop. Before the first piece the signal has its first value, after the
-    last piece its end value.
+    last piece its end value. So a constant last piece goes on for ever, whatever `end`.
 
     Parameters
     ----------
@@ -58,7 +58,8 @@ class Pieces:
     ) -> None:
         """Keep the arguments as arrays, and set `coefficient_count`.
 
-        Values of constant pieces become a column, [n, 1].
+        Values of constant pieces become a column, [n, 1]. Without an `end`, `end`
+        becomes the start of the last piece, whose value holds for ever after it.
         """
         self.ticks: Ints = np.asarray(ticks, dtype=np.int64)
         columns: Floats = np.asarray(coefficients, dtype=np.float64)
@@ -66,7 +67,9 @@ class Pieces:
             columns = columns[:, None]
         self.coefficients = columns
         self.coefficient_count: int = columns.shape[1]  # of each piece
-        if end is None:  # the last constant goes on for ever
+        if end is None:
+            # The value at the end of the signal, here the last constant, holds for ever
+            # after it: the last piece needs no duration.
             end = self.ticks[-1]
         self.end = int(end)
 

@@ -67,7 +67,7 @@ def describe_end(
         if has_external_drive(system):
             if system.gravity != 0:
                 acting = "gravity acts"
-            elif system.has_shaft:
+            elif system.has_shaft:  # soil or drag along a rod
                 acting = "soil or drag acts"
             else:
                 acting = "an end is driven"

@@ -189,7 +189,7 @@ def wave_columns(row: Row, results: ResultColumns) -> dict[str, Array]:
     for i, body in enumerate(row.system.bodies):
         first, last = row.spans[i]
         if last == 0:  # a wall keeps its velocity
-            wall_velocity = row.of(body.velocity)
+            wall_velocity = row.by_member(body.velocity)
             columns[f"displacement.{i}"] = wall_velocity * results.of("end_time", 0)
         else:
             columns[f"displacement.{i}"] = rod_displacement(row, results, first, last)
@@ -208,7 +208,7 @@ def rod_displacement(row: Row, results: ResultColumns, first: int, last: int) ->
     mass: Array | float = 0.0
     momentum: Array | float = 0.0
     for s in range(first, last + 1):
-        mass = mass + row.of(row.segments[s - 1].mass)
+        mass = mass + row.by_member(row.segments[s - 1].mass)
         momentum = momentum + results.of("initial_momentum", s)
     time = results.of("end_time", 0)
     # Segment s lies between the nodes s - 1 and s.
@@ -232,5 +232,5 @@ def largest_stress(row: Row, results: ResultColumns, first: int, last: int) -> A
         segment = row.segments[s - 1]
         stress_per_wave = segment.material.youngs_modulus / (2 * segment.wave_speed)
         wave_difference = results.of("max_wave_difference", s)
-        stresses.append(row.of(stress_per_wave) * wave_difference)
+        stresses.append(row.by_member(stress_per_wave) * wave_difference)
     return reduce(np.maximum, stresses)

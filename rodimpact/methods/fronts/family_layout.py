@@ -186,9 +186,9 @@ def append_profile(
     """Append a velocity and a strain to `values`; return their location.
 
     Each is constant or in steps, see `append_steps`. They belong to the body that
-    begins with `segment`, or to the end beside `segment`, outside the row, with the
-    kind `boundary_kind`. For a drive, `velocity` is the driven quantity, which may also
-    be a force or a strain.
+    begins with `segment`, or to the end beside `segment`, outside the row. For a drive,
+    `velocity` is the driven quantity, which may also be a force or a strain: it is
+    appended as it is. `segment` and `boundary_kind` are only stored in the result.
     """
     offset = len(values)
     velocity_count = append_steps(values, velocity)

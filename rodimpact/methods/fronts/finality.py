@@ -95,7 +95,7 @@ def ticks_until_apart(state: State, k: int, now: int) -> float:
     if proof.undecided(opening, least_opening, tolerance):
         # Velocities alone prove nothing. `separation_time` uses deviations and their
         # bounds only in this case; in other cases they may be out of date.
-        bound_deviations(state, k, now)
+        set_deviations(state, k, now)
     node = state.nodes[k]
     gap = node.gap + node.gap_rate * (now - node.solved_tick)
     mean_gap = gap - right.end_deviation + left.end_deviation
@@ -236,7 +236,7 @@ def measure_waves(state: State, s: int, now: int) -> None:
 # Deviations ---------------------------------------------------------------------------
 
 
-def bound_deviations(state: State, k: int, now: int) -> None:
+def set_deviations(state: State, k: int, now: int) -> None:
     """Set the deviations of the two ends at contact k, and their bounds.
 
     The end of a free body deviates from the motion of its centre of mass by
@@ -259,13 +259,13 @@ def bound_deviations(state: State, k: int, now: int) -> None:
         segment.deviation_bound_squared = zero
         segment.compliance_integral = zero
         if segment.group_last > 0:  # inside the row
-            bound_deviation(state, k, s, now)
+            set_deviation_of_end(state, k, s, now)
 
 
-def bound_deviation(state: State, k: int, s: int, now: int) -> None:
+def set_deviation_of_end(state: State, k: int, s: int, now: int) -> None:
     """Set deviation and bound of the end at contact k of the group of segment s.
 
-    `bound_deviations` gives the equations, defines g, and sets the results to 0 before.
+    `set_deviations` gives the equations, defines g, and sets the results to 0 before.
     They are stored in segment s. The deviation is in m/s times ticks, positive to the
     right. The bound and `compliance_integral` stay 0 if no front is in flight in the
     group, as the deviation is then constant, unless the contact presses a group that is

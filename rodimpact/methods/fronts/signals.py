@@ -134,11 +134,11 @@ def contact_signal(
 def mobility_at(clock: Clock, k: int) -> float:
     """Mobility of both sides of node k together, Y1 + Y2 = 1/Z1 + 1/Z2, s/kg.
 
-    A wall adds 0.
+    A wall, whose impedance is infinite but 0 in the clock, adds 0.
     """
     mobility = 0.0
     for s in (k, k + 1):  # the segments beside the node
-        if clock.impedance[s] > 0:  # a wall has the impedance 0 in the clock
+        if clock.impedance[s] > 0:  # it is not a wall
             mobility += 1 / clock.impedance[s]
     return mobility
 

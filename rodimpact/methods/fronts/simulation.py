@@ -49,7 +49,7 @@ class Simulation(State):
         `max_events` is the cap on events. A change of a wave by at most `tolerance`,
         m/s, is no front. The totals of the nodes are brought up to the end.
         """
-        self.run.end_tick = end_tick
+        self.run.end_tick = end_tick  # with an end tick `_run` does not stop at a proof
         return self._run(max_events, tolerance)
 
     def advance(self, horizon: int) -> None:
@@ -64,8 +64,9 @@ class Simulation(State):
     def _run(self, max_events: int, tolerance: Amplitude) -> Stop:
         """Run to the end that is set in `run`, and return why it stopped.
 
-        The log grows whenever it is full; the state is changed. The totals of the nodes
-        are brought up to the end. Cap and tolerance are stored in `run`.
+        This is `end_tick`, past any proof; or a proof, if `end_tick` is NONE. The log
+        grows whenever it is full; the state is changed. The totals of the nodes are
+        brought up to the end. Cap and tolerance are stored in `run`.
         """
         run = self.run
         run.max_events = max_events

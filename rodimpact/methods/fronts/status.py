@@ -18,7 +18,10 @@ def end_of_run(
 ) -> RunEnd:
     """Why a run ended, as a sentence and advice; the advice may be "".
 
-    A proof is stated even if the cap or a given end stopped the run.
+    A final run gives the proof, without advice. A run at the cap without a proof gets
+    the advice to make lengths commensurate. If the clock stopped it, as its ticks could
+    not be counted any further, a sentence says so. All other runs are left to
+    `describe_end`: a given end, or the cap after a proof, which is stated then, too.
 
     Parameters
     ----------
@@ -44,7 +47,7 @@ def end_of_run(
             "multiply where transit times have no common measure.",
             "Raise max_events, or make lengths commensurate.",
         )
-    if stopped_by == "clock":
+    if stopped_by == "clock":  # its integer ticks would overflow
         return RunEnd(
             f"Stopped by the clock after {end_time}: the next contact may come later "
             "than the clock can count, or never.",

@@ -53,7 +53,7 @@ LOOSE_POWER = 2.5
 """Exponent of this truncation error."""
 FIT_FACTOR = 4.0
 """Stated error over the difference of given functions from their pieces."""
-UNTIMED_MEASURES = 3
+UNTIMED_COUNT = 3
 """Number of measures that are not times: velocity, impulse and peak force.
 
 They come first, and their errors fall evenly.
@@ -141,7 +141,7 @@ def hidden_errors(fine: Ended, fit_error: float) -> list[float]:
     event_error = EVENT_FACTOR * max_abs([link.event_error for link in fine.links])
     # Uncertainty of the ends of faint forces, s
     cut = run.tick_duration * max_abs([link.uncertain_ticks for link in fine.links])
-    for i in range(UNTIMED_MEASURES, len(errors)):  # durations and times
+    for i in range(UNTIMED_COUNT, len(errors)):  # durations and times
         longest = max_abs(values[i])
         if longest > 0:
             errors[i] += (event_error + cut) / longest
@@ -171,7 +171,7 @@ def rounding_errors(ended: Ended, transit_error: float) -> list[float]:
     errors = [transit_error] * len(values)
     if longest > 0:
         episodes = max([link.episodes for link in ended.links])
-        for i in range(UNTIMED_MEASURES):  # velocities, impulses and peak forces
+        for i in range(UNTIMED_COUNT):  # velocities, impulses and peak forces
             errors[i] += shift / longest
         errors[DURATION] += 2 * episodes * shift / longest
     return errors
@@ -200,7 +200,7 @@ def add_faint_times(fine: Ended, errors: list[float]) -> None:
     # Without rods, `shortest_transit` is the reference time.
     faint = ratio * run.shortest_transit * run.tick_duration * episodes
     values = measures_of(fine)
-    for i in range(UNTIMED_MEASURES, len(errors)):
+    for i in range(UNTIMED_COUNT, len(errors)):
         longest = max_abs(values[i])
         if longest > 0:
             errors[i] += faint / longest
@@ -324,16 +324,19 @@ def errors_of_two_runs(fine: Ended, coarse: Ended) -> list[float]:
     """Relative error of each of the `MEASURES` of the finer of two runs, [measure].
 
     It is DIFFERENCE_FACTOR times the relative difference of both runs in this measure.
-    As two numbers may agree by chance, at least a share of the worst difference is
-    taken, which is the largest one of velocities, impulses, peak forces and waves. The
-    share is LEAST_SHARE. It is larger for durations and times below the largest
-    `event_lag`: a relative error e of velocities changes the time of an event by
-    e times its lag. SHARED_FACTOR times the error that both runs share, of pieces that
-    no tolerance limits, is added. If all values of a measure are 0, its error is 0.
+    For velocities this difference is at least `momentum_error`: by so much velocities
+    from the waves differ from those by Newton's law, in the finer run alone. As two
+    numbers may agree by chance, at least a share of the worst difference is taken,
+    which is the largest one of velocities, impulses, peak forces and waves. The share
+    is LEAST_SHARE. It is larger for durations and times below the largest `event_lag`:
+    a relative error e of velocities changes the time of an event by e times its lag.
+    SHARED_FACTOR times the error that both runs share, of pieces that no tolerance
+    limits, is added. If all values of a measure are 0, its error is 0.
     """
     relative = differences(fine, coarse)  # [measure]
     common = SHARED_FACTOR * fine.run.shared_error / fine.run.velocity_scale
-    # The disagreement of velocities and impulses is an error of the velocities.
+    # The error of velocities from the waves, which Newton's law shows, may be larger
+    # than the difference of the runs.
     relative[VELOCITY] = max(relative[VELOCITY], momentum_error(fine))
     worst = max(
         relative[VELOCITY],
@@ -346,7 +349,7 @@ def errors_of_two_runs(fine: Ended, coarse: Ended) -> list[float]:
     for i, values in enumerate(measures_of(fine)):
         largest = max_abs(values)
         share = LEAST_SHARE
-        if i >= UNTIMED_MEASURES and largest > 0:  # durations and times
+        if i >= UNTIMED_COUNT and largest > 0:  # durations and times
             share *= max(1.0, lag / largest)
         if largest > 0:
             error = DIFFERENCE_FACTOR * max(relative[i], share * worst) + common

@@ -177,12 +177,12 @@ def family_clock(
     jump_times = [share * transits[s] for s, share in jumps]
     # Times that are counted: transit times, then times to jumps. `row.of` gives an
     # array with a number for each member.
-    counted_times = [row.of(time) for time in (*transits, *jump_times)]
+    counted_times = [row.by_member(time) for time in (*transits, *jump_times)]
     by_time = np.array(counted_times).reshape(-1, row.members)  # [time, member]
     times_of_members = by_time.T.tolist()  # [member][time]
-    longest_times = row.of(reference)
-    crossing_times = row.of(crossing_time)
-    flight_times = row.of(flight_time)
+    longest_times = row.by_member(reference)
+    crossing_times = row.by_member(crossing_time)
+    flight_times = row.by_member(flight_time)
     segment_count = len(transits)
     tick_by_member = np.zeros(row.members)  # duration of a tick, s
     end_by_member = np.zeros(row.members)  # end of the run, s

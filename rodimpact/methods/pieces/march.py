@@ -343,18 +343,21 @@ def piece_end(state: State, node: Node, is_after_break: bool) -> int:
             return int(averaged_end)
     node.is_averaging = 0
     if is_after_break:
-        # Each side on which a hard break arrives limits the piece.
+        # Each side on which a hard break, one of low order, arrives limits the piece.
         for side in range(2):
             source = node.incoming_lines[side]
             if lines.order_at(all_lines, log, source, tick) <= MAX_HARD_ORDER:
+                # `read_piece` arrives from now on: it begins with the break.
                 piece = log[all_lines[source].read_piece]
                 incoming_ticks = piece.end - piece.start
                 end = min(end, tick + 2 * incoming_ticks)
-    is_limited = tick == 0 or end < wanted_end
-    if run.halves_pieces and is_limited and end > node.halved_until:
+    is_first = tick == 0
+    is_limited = is_first or end < wanted_end
+    # `halved_until` is the end of the piece that was halved last.
+    is_second_half = end <= node.halved_until
+    if run.halves_pieces and is_limited and not is_second_half:
         # Such a piece has the same duration at any tolerance. The run for comparison
-        # takes it in two halves, so that a comparison shows its error. `halved_until`
-        # keeps the second half from being halved again.
+        # takes it in two halves, so that a comparison shows its error.
         node.halved_until = end
         end = tick + (end - tick + 1) // 2  # the first half, rounded up
     return end

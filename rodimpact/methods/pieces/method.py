@@ -35,7 +35,7 @@ from ..status import rounding, strain_warning, with_advice
 from . import totals
 from .accuracy import (
     COARSER,
-    UNTIMED_MEASURES,
+    UNTIMED_COUNT,
     errors_of_two_runs,
     hidden_errors,
     prepare_second_run,
@@ -155,7 +155,7 @@ def solve_family(
     columns = _columns_of(fine, refused.ravel() | is_stuck)
     if "accuracy" in also:
         errors = stated_errors(fine, members, should_stop)
-        columns["accuracy"] = errors[:, :UNTIMED_MEASURES].max(axis=1)
+        columns["accuracy"] = errors[:, :UNTIMED_COUNT].max(axis=1)
     return columns
 
 
@@ -406,7 +406,7 @@ def _velocities_by_body(row: Row, group_velocities: list[Any]) -> list[Any]:
         # All but walls, and masses bonded to walls
         inside = [i for i in group if i in free]
         for velocity in velocities_in_group(row.system, group, inside, speed):
-            columns.append(row.of(velocity))  # a number for each member
+            columns.append(row.by_member(velocity))  # a number for each member
     return columns
 
 
@@ -459,9 +459,10 @@ def vibration_of(family: Members) -> list[Any]:
             # Spans count segments from 1, parts from 0.
             energy = energy + part_energies[PartKind.SEGMENT, s - 1]
         if 0 <= m < len(row.masses):  # a rigid mass that is not bonded to a wall
-            # Mass m is the common mass of bonded bodies.
+            # Mass m is the common mass of bonded bodies. The share of this body is a
+            # number, or an array of the family if masses differ between members.
             share: Any = np.asarray(body.mass) / np.asarray(row.masses[m])
-            energy = part_energies[PartKind.MASS, m] * row.of(share)
+            energy = part_energies[PartKind.MASS, m] * row.by_member(share)
         energies.append(energy)
     return energies
 

@@ -195,7 +195,8 @@ def linearise(link: Link, h: float, is_first: bool) -> float:
     The tangent law is F = base + by_overlap d + by_closing closing, taken at the
     present d and closing. In the first Newton step (`is_first`) d is extrapolated: it
     is d + d' u + d'' u^2/2, with the values at the start of the piece and u the time
-    since then, s. The piece has the duration h, s.
+    since then, s. The piece has the duration h, s. For a link at rest (REST) `closing`
+    takes the place of F: base and by_overlap are 0, and by_closing is 1.
 
     The residual is the largest difference between the force by the contact law and the
     present force, divided by the largest force. Large terms may cancel in the force,
@@ -256,10 +257,13 @@ def set_equations(
     change, and column N unknown_count is the right side.
 
     The equation says that F = base + by_overlap d + by_closing closing holds after the
-    step: this is the tangent law of the link, which `linearise_links` has set. Its
-    right side is the force by this law at the present d and closing, minus the present
-    force, N. A link at rest (REST) has no law. Its force makes `closing` 0, so that the
-    right side is the present `closing`, m/s.
+    step: this is the tangent law of the link, which `linearise_links` has set. The left
+    side is the change of F minus the changes of d and `closing` times their factors,
+    which follow from the changes of all forces of the node, see `set_block`. The right
+    side is the force by this law at the present d and closing, minus the present force,
+    N. For a link at rest (REST) the equation is 0 = closing, with base = by_overlap = 0
+    and by_closing = 1: F is not in it, and the right side is the present `closing`,
+    m/s.
     """
     right_side = N * unknown_count
     for q in range(node.link_count):
@@ -269,14 +273,16 @@ def set_equations(
         for p in range(node.link_count):
             unknown = links[node.first_link + p].unknown_index
             if unknown != NONE:
+                # The left side: factors of the changes of force p in the equations of
+                # link q
                 by_impulse = closing_by_impulse(masses, node, q, p)
                 is_same = p == q
                 set_block(link, by_impulse, is_same, h, G, N * unknown)
         for j in range(N):
             if link.status == Status.REST:
-                present = 0.0  # its tangent law is for `closing`, not for a force
+                present = 0.0  # 0 = closing takes the place of F = ...
             else:
-                present = link.force[j + 1]  # stage j is point j + 1
+                present = link.force[j + 1]  # F; stage j is point j + 1
             G[N * link.unknown_index + j][right_side] = (
                 link.base[j + 1]
                 + link.by_overlap[j + 1] * link.overlaps[j + 1]
@@ -478,14 +484,15 @@ def forbid_pulling(links: Links, node: Node) -> None:
     for q in range(node.link_count):
         link = links[node.first_link + q]
         largest = series.largest(link.force)
-        smallest = series.smallest(link.force)
+        smallest_at_points = series.smallest(link.force)
         # If the force is well above 0 at all points, it is positive between them, too.
-        may_swing = smallest < series.POSITIVE_RTOL * largest
+        may_swing = smallest_at_points < series.POSITIVE_RTOL * largest
         # The statuses from PRESS on are those of contacts that press, yield or rest.
         if link.status >= Status.PRESS and may_swing:
             # This sets `scratch_series` to the coefficients of the force.
             series.set_series(link.force, node.scratch_series)
-            # A minimum well above 0 makes `swing` negative: the force stays as it is.
+            # The minimum of the polynomial, between the points, too. If it is well
+            # above 0, `swing` is negative, and the force stays as it is.
             depth = -series.minimum(node.scratch_series)
             swing = SWING_FACTOR * depth + SWING_ROUND_OFF * largest
             impulse = series.integral(link.force)  # J, N
