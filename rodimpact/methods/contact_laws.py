@@ -191,13 +191,13 @@ def own_force(link: Any, d: float, closing: float) -> tuple[float, float, float]
     Y = link.mobility
     F = odd_user_force(link, d, closing)  # first guess: d' = closing
     rate_step = link.rate_step
-    slope = 0.0  # df/dd'
+    by_rate = 0.0  # df/dd'
     for _ in range(MAX_ITERATIONS):
         rate = closing - Y * F
         f = odd_user_force(link, d, rate)
         f_faster = odd_user_force(link, d, rate + rate_step)
-        slope = (f_faster - f) / rate_step
-        change = (f - F) / (1 + Y * slope)
+        by_rate = (f_faster - f) / rate_step
+        change = (f - F) / (1 + Y * by_rate)
         F += change
         if abs(change) <= FORCE_RTOL * abs(F):
             break
@@ -206,8 +206,8 @@ def own_force(link: Any, d: float, closing: float) -> tuple[float, float, float]
     overlap_step = link.overlap_step
     f_deeper = odd_user_force(link, d + overlap_step, rate)
     by_overlap = (f_deeper - f) / overlap_step  # df/dd
-    share = 1 / (1 + Y * slope)
-    return F, by_overlap * share, slope * share
+    share = 1 / (1 + Y * by_rate)
+    return F, by_overlap * share, by_rate * share
 
 
 # What ends a status -------------------------------------------------------------------
@@ -425,8 +425,8 @@ def mean_spring(k: float, c: float, x0: float, x1: float) -> tuple[float, float]
     F = (b - a)/w (k (a + b)/2 + c w).
     """
     w = x1 - x0
-    last = k * x1 + c * w  # force at x1
-    if x0 >= 0 and last >= 0:  # it presses all the way: a = x0, b = x1
+    end_force = k * x1 + c * w  # at x1
+    if x0 >= 0 and end_force >= 0:  # it presses all the way: a = x0, b = x1
         return k * (x0 + x1) / 2 + c * w, k / 2 + c
     # It presses where x is above this overlap: for an opening contact (w < 0) where
     # k x + c w > 0, for a closing one where x > 0.
@@ -436,8 +436,8 @@ def mean_spring(k: float, c: float, x0: float, x1: float) -> tuple[float, float]
     share = (b - a) / w  # fraction of the step in which it presses
     F = share * (k * (a + b) / 2 + c * w)
     # F w is the integral of the force over x, in which w is also the rate. So
-    # d(F w)/dx1 = max(last, 0) + c (b - a), and dw/dx1 = 1.
-    return F, (max(last, 0.0) - F) / w + share * c
+    # d(F w)/dx1 = max(end_force, 0) + c (b - a), and dw/dx1 = 1.
+    return F, (max(end_force, 0.0) - F) / w + share * c
 
 
 def mean_power(k: float, p: float, x0: float, x1: float) -> tuple[float, float]:
@@ -453,24 +453,25 @@ def mean_power(k: float, p: float, x0: float, x1: float) -> tuple[float, float]:
     """
     q = p + 1
     w = x1 - x0
-    first = k * max(x0, 0.0) ** p  # force at x0
-    last = k * max(x1, 0.0) ** p  # force at x1
+    start_force = k * max(x0, 0.0) ** p  # at x0
+    end_force = k * max(x1, 0.0) ** p  # at x1
     if x0 <= 0 or abs(w) > x0 / 2:  # x1 is not near x0
-        F = (last * x1 - first * x0) / (q * w)
-        return F, (last - F) / w
+        # k x^(p + 1) is the force at x times x.
+        F = (end_force * x1 - start_force * x0) / (q * w)
+        return F, (end_force - F) / w
     h = w / x0
     if h == 0:
-        F = first
+        F = start_force
     else:
         # (1 + h)^q - 1 without cancellation
-        F = first * math.expm1(q * math.log1p(h)) / (q * h)
+        F = start_force * math.expm1(q * math.log1p(h)) / (q * h)
     if abs(q * h) > SERIES_RANGE:  # the difference loses few digits
-        return F, (last - F) / w
+        return F, (end_force - F) / w
     # 1/2 + (p - 1) h/3 + (p - 1)(p - 2) h^2/8 + (p - 1)(p - 2)(p - 3) h^3/30
     third = (p - 1) * h
     fourth = third * (p - 2) * h
     series = 1 / 2 + third / 3 + fourth / 8 + fourth * (p - 3) * h / 30
-    return F, first / x0 * p * series
+    return F, start_force / x0 * p * series
 
 
 def load_plastically(link: Any, x0: float, x1: float) -> tuple[float, float, int]:

@@ -38,7 +38,8 @@ def separation_time(
     """
     if least_opening >= -tolerance:  # the ends cannot approach each other
         return 0.0
-    # The mean gap does not close, and vibration cannot bridge it.
+    # The mean gap does not close, and vibration cannot bridge it: the gap is larger
+    # than the root of `bound_squared`.
     if opening >= -tolerance and mean_gap > 0 and mean_gap * mean_gap > bound_squared:
         return 0.0
     wait = math.inf

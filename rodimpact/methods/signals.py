@@ -111,7 +111,7 @@ class Pieces:
 
     @cached_property
     def widths(self) -> Ints:
-        """Duration of each piece, ticks, at least 1, [n]."""
+        """Duration of each piece, ticks, [n]; 1 for a last piece without a duration."""
         return np.maximum(np.diff(self.ticks, append=self.end), 1)
 
     @cached_property

@@ -136,13 +136,14 @@ def last_contact(
     return latest
 
 
-def proof_sentence(met: bool, t_final: float) -> str:
+def proof_sentence(has_pressed: bool, t_final: float) -> str:
     """Sentence on the result of the proof of finality.
 
-    `met` says whether any contact pressed. `t_final`, s, is the result of
-    `last_contact`: nan if bodies may part later, inf if they stay in contact.
+    `has_pressed` says whether any contact pressed; if none did, nothing else matters.
+    `t_final`, s, is the result of `last_contact`: nan if bodies may part later, inf if
+    they stay in contact.
     """
-    if not met:
+    if not has_pressed:
         return "No collision happens, now or later."
     if t_final != t_final:  # nan
         reason = "no new impact can happen. Bodies still touch at the end of the run"

@@ -81,8 +81,9 @@ def solve_many(
     """Run every member of a family to `until`, or to its proof of finality.
 
     Members run in blocks whose records are small enough for the processor's cache, in
-    plain Python until machine code pays. The block size grows after a quick block and
-    is halved after any other, so that blocks settle below `BLOCK_TIME`.
+    plain Python until machine code pays. The block size grows after a quick block, one
+    of less than a quarter of `BLOCK_TIME`, and is halved after any other, so that
+    blocks settle below `BLOCK_TIME`.
 
     Parameters
     ----------

@@ -187,8 +187,8 @@ def advance(state: State, horizon: int) -> int:
         node = nodes[k]
 
         # Arrivals: the wave a from the left, and b from the right
-        from_left = lines[2 * k]  # through segment k
-        from_right = lines[2 * k + 3]  # through segment k + 1
+        from_left = lines[2 * k]  # the line to the right in segment k
+        from_right = lines[2 * k + 3]  # the line to the left in segment k + 1
         if from_left.arrival_tick == tick:
             receive(from_left, log, segments[k].transit)
         if from_right.arrival_tick == tick:

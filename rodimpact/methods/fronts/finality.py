@@ -162,7 +162,8 @@ def find_mean_motion(state: State, k: int, s: int, now: int) -> None:
             end_node = first - 1
         else:
             end_node = last
-        # The wave that arrives at this node from beyond the group
+        # The wave that arrives at this node from beyond the group: on line 2 k from the
+        # left of node k, on line 2 k + 3 from its right
         outside_wave = lines[2 * end_node + 3 * side].incoming_wave
         outside_mobility = segments[end_node + side].mobility
         if nodes[end_node].status == Status.BOND:
@@ -237,7 +238,7 @@ def measure_waves(state: State, s: int, now: int) -> None:
 
 
 def set_deviations(state: State, k: int, now: int) -> None:
-    """Set the deviations of the two ends at contact k, and their bounds.
+    """Set the deviations of both ends at contact k at tick `now`, and their bounds.
 
     The end of a free body deviates from the motion of its centre of mass by
     d = integral(strain * g dx), where g is the fraction of the mass that lies beyond x
@@ -259,6 +260,7 @@ def set_deviations(state: State, k: int, now: int) -> None:
         segment.deviation_bound_squared = zero
         segment.compliance_integral = zero
         if segment.group_last > 0:  # inside the row
+            # This evaluates the equations above.
             set_deviation_of_end(state, k, s, now)
 
 
@@ -279,8 +281,10 @@ def set_deviation_of_end(state: State, k: int, s: int, now: int) -> None:
     is_right = s > k  # the group is right of the contact
     zero = 0 * group.mean_velocity
     mass = group_mass(segments, first, last, zero)
+    # A bond at an end of a group is a bond to the outside of the row.
     has_left_bond = state.nodes[first - 1].status == Status.BOND
-    is_anchored = has_left_bond or state.nodes[last].status == Status.BOND
+    has_right_bond = state.nodes[last].status == Status.BOND
+    is_anchored = has_left_bond or has_right_bond
     far_mobility = zero  # Y of the bar that holds the far end; 0 for a wall
     g1 = zero  # g at the near end of the segments so far; 0 at a free far end
     if is_anchored:

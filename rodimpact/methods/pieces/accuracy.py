@@ -140,11 +140,13 @@ def hidden_errors(fine: Ended, fit_error: float) -> list[float]:
         errors[PEAK_FORCE] += PEAK_FACTOR * max_abs(excesses) / peak
     event_error = EVENT_FACTOR * max_abs([link.event_error for link in fine.links])
     # Uncertainty of the ends of faint forces, s
-    cut = run.tick_duration * max_abs([link.uncertain_ticks for link in fine.links])
+    end_error = run.tick_duration * max_abs(
+        [link.uncertain_ticks for link in fine.links]
+    )
     for i in range(UNTIMED_COUNT, len(errors)):  # durations and times
         longest = max_abs(values[i])
         if longest > 0:
-            errors[i] += (event_error + cut) / longest
+            errors[i] += (event_error + end_error) / longest
     return errors
 
 

@@ -175,10 +175,11 @@ def family_clock(
     flight_time = flight_time_of(row, scale)
     # Times from the left end of a segment to a jump, at a share of its length
     jump_times = [share * transits[s] for s, share in jumps]
-    # Times that are counted: transit times, then times to jumps. `row.of` gives an
+    # Times that are counted: transit times, then times to jumps. `by_member` gives an
     # array with a number for each member.
     counted_times = [row.by_member(time) for time in (*transits, *jump_times)]
-    by_time = np.array(counted_times).reshape(-1, row.members)  # [time, member]
+    # [time, member]; without rods there are no times, and the shape is (0, members).
+    by_time = np.array(counted_times).reshape(-1, row.members)
     times_of_members = by_time.T.tolist()  # [member][time]
     longest_times = row.by_member(reference)
     crossing_times = row.by_member(crossing_time)

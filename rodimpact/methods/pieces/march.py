@@ -406,9 +406,10 @@ def solve(state: State, node: Node, ticks: int) -> PieceResult:
         error = -1.0  # no solution
         if nodes.collocate(run, links, masses, node, h, state.matrix):
             error = nodes.truncation_error(links, masses, node)
+        has_solution = error >= 0
         is_precise = error <= run.tolerance
         is_accepted = is_precise or node.is_averaging or ticks <= MIN_PIECE_TICKS
-        if error >= 0 and is_accepted:
+        if has_solution and is_accepted:
             event = event_location.next_event(run, links, node, h)
             start_ticks = 0.5  # an earlier event is at the start
             if event.link != NONE and links[event.link].status == Status.OPEN:
@@ -471,7 +472,7 @@ def shortening(
     `error_before`, which is 0 if there was none. If the piece has no solution (`error`
     below 0), MIN_GROWTH is returned.
     """
-    if error <= 0:
+    if error <= 0:  # there is no solution
         return MIN_GROWTH
     power = 1.0 * N
     if error_before > error:

@@ -103,9 +103,10 @@ def start_forces(links: Links, node: Node) -> int:
         link = links[node.first_link + q]
         is_push = link.law == Law.PUSH_LEFT or link.law == Law.PUSH_RIGHT
         is_bond = link.law == Law.BOND
+        is_joint = link.law == Law.JOINT
         # The statuses from PRESS on are those of a contact that presses, yields or
         # rests.
-        acts = link.status >= Status.PRESS or is_bond or link.law == Law.JOINT
+        acts = link.status >= Status.PRESS or is_bond or is_joint
         # If the link is alone between two rods, its force is unknown only where it
         # depends on an overlap that changes.
         link.unknown_index = NONE
@@ -400,9 +401,9 @@ def take_step(
             for j in range(1, POINTS):
                 typical_rise = link.by_overlap[j] * run.velocity_scale * h  # N
                 if typical_rise > abs(link.force[j]):  # it is stiff
-                    by_closing = link.by_closing[j] * link.closing[j]  # N
-                    by_overlap = link.force[j] - link.base[j] - by_closing  # N
-                    link.overlaps[j] = by_overlap / link.by_overlap[j]
+                    closing_force = link.by_closing[j] * link.closing[j]  # N
+                    overlap_force = link.force[j] - link.base[j] - closing_force  # N
+                    link.overlaps[j] = overlap_force / link.by_overlap[j]
 
 
 def collocate(

@@ -154,7 +154,7 @@ def in_pieces(
     # Order of a break: 0 where the value jumps, 1 where the slope jumps
     kink_order = np.where(bends > break_size + round_off, 1, SMOOTH)
     signal_order = np.where(jumps[inner - 1], 0, kink_order)  # edge k is jumps[k - 1]
-    # The border of a constant part is always a hard break.
+    # The border of a constant part is always a hard break, one of low order.
     hard_order = np.minimum(signal_order, MAX_HARD_ORDER)
     order = np.where(borders[inner], hard_order, signal_order)
     pieces = np.zeros(len(series), PIECE)
@@ -225,14 +225,16 @@ def _fit_longest(signal: Pieces, edges: Ints, barriers: Any, tolerance: float) -
 
     Interval k lies between edges[k] and edges[k + 1], ticks. `barriers` says for each
     edge after the first whether pieces may not extend across it. First a piece over all
-    intervals is tried. A piece is halved, again and again, if it misses the signal by
-    more than `tolerance`, extends across a barrier, or beyond the last interval. A
-    single interval keeps the series of the signal.
+    intervals is tried, or several over 2^MAX_LEVELS intervals each if there are more. A
+    piece is halved, again and again, if it misses the signal by more than `tolerance`,
+    extends across a barrier, or beyond the last interval. A single interval keeps the
+    series of the signal.
     """
     # Number of barriers up to the start of each interval
     barriers_before = np.cumsum(np.append(0, barriers[:-1]))
     n = len(edges) - 1
-    # Number of intervals of a piece: at first the smallest power of 2 that is >= n
+    # Number of intervals of a piece: at first the smallest power of 2 that is >= n, but
+    # at most 2^MAX_LEVELS
     width = 1 << min(MAX_LEVELS, max(n - 1, 0).bit_length())
     tried = np.arange(0, n, width)  # first interval of each piece that is tried
     firsts = list[Ints]()  # first intervals of pieces that fit

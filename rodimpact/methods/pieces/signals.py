@@ -117,8 +117,9 @@ def _masses(
 
     A body that is bonded to a wall has the velocity of the wall. If rigid bodies strike
     at t = 0, or the run ends there, all bodies have their initial velocities during the
-    first tick. `frame` is the velocity of the frame, and `contact_events` are the rows
-    of the log of contacts.
+    first tick. `end` is the last tick of the run, `lines` are the signals of all lines,
+    `frame` is the velocity of the frame, and `contact_events` are the rows of the log
+    of contacts.
     """
     is_impact_at_start = (contact_events["impulse"] > 0) & (contact_events["tick"] == 0)
     starts_with_impact = bool(np.any(is_impact_at_start))

@@ -153,7 +153,7 @@ def why_stuck(row: Any, node: Any, seconds: float) -> tuple[str, str]:
     No forces satisfy the laws of its links. If its masses are between two ends without
     a rod, the sentence says that walls squeeze a mass, and the path is "contacts".
     Otherwise it says that numbers may be out of range, and the path is that of the last
-    contact in the node.
+    contact in the node, or "contacts" if it has none.
     """
     time = format_si(seconds, "s")
     # `mobility` is 0 on a side without a rod. Only between two walls can rigid masses
