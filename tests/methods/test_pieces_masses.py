@@ -319,6 +319,24 @@ def test_a_contact_too_short_for_the_clock_is_refused(gap):
         ri.solve(system)
 
 
+def test_a_run_to_the_end_of_the_clock_says_so_and_its_advice_helps():
+    """A mass that bounces between two walls for ever is never proved final: the run
+    ends with its clock, long before the cap on events. A given end may be later.
+    """
+    bounce = ri.Rigid(restitution=1.0)
+    bodies = [ri.Wall(), STRIKER, ri.Wall()]
+    system = ri.System(bodies, gaps=[0.1, 0.1], contacts=[bounce, bounce])
+
+    solution = ri.solve(system)
+    later = ri.solve(system, until=1.5 * solution.t_end)
+
+    assert not solution.final
+    assert solution.status.startswith("Stopped at the end of the clock, 409.6 s, ")
+    assert "Give until= to set another end." in solution.status
+    assert "cap" not in solution.status
+    assert later.t_end == 1.5 * solution.t_end
+
+
 @pytest.mark.parametrize("wall_velocity", [0.0, -0.25])
 @pytest.mark.parametrize("is_on_left", [True, False])
 def test_a_mass_bonded_to_a_wall_has_its_velocity(wall_velocity, is_on_left):

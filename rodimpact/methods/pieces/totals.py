@@ -94,6 +94,8 @@ def end_of_run(
 ) -> RunEnd:
     """Why a run ended, in sentences, with its proof if there was one.
 
+    The end of the clock has its own sentence; `describe_end` has the others.
+
     Parameters
     ----------
     run : RUN
@@ -110,8 +112,15 @@ def end_of_run(
     if run.proved_tick >= 0:
         has_contact = any(link.episodes > 0 for link in links)
         proof = proof_sentence(has_contact, t_final)
+    end_time = format_si(end, "s")
+    if stopped_by == "clock":  # there is no proof, see `why_stopped`
+        return RunEnd(
+            f"Stopped at the end of the clock, {end_time}, before the collision was "
+            "final.",
+            "Give until= to set another end.",
+        )
     work = f"{run.steps} steps of nodes"
-    return describe_end(stopped_by, proof, format_si(end, "s"), work, system)
+    return describe_end(stopped_by, proof, end_time, work, system)
 
 
 def accuracy_sentence(worst: float, goal: float) -> str:
