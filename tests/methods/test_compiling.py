@@ -84,7 +84,7 @@ def test_a_call_on_a_deep_stack_takes_its_argument_and_raises_its_error():
 
 def test_names_used_once_are_those_that_one_function_calls_and_not_several():
     once = compiling._names_used_once(fronts)
-    assert {"find_mean_motion", "receive"} <= once
+    assert {"find_group_motion", "receive"} <= once
     assert once.isdisjoint({"no_front_in_flight", "accumulate_contact_totals"})
 
 

@@ -124,7 +124,7 @@ def find_mean_motions(state: State, k: int, now: int) -> None:
         s = k + side
         segment = state.segments[s]
         if segment.group_last > 0:  # inside the row
-            find_mean_motion(state, k, s, now)
+            find_group_motion(state, k, s, now)
         else:
             # Line 2 k + 3 side arrives at node k from this side. From a wall it brings
             # the velocity of the wall.
@@ -135,7 +135,7 @@ def find_mean_motions(state: State, k: int, now: int) -> None:
             segment.is_end_velocity_bounded = 1
 
 
-def find_mean_motion(state: State, k: int, s: int, now: int) -> None:
+def find_group_motion(state: State, k: int, s: int, now: int) -> None:
     """Set mean velocity and velocity bounds of the group of segment s, in segment s.
 
     The group, inside the row, is on one side of contact k. Mean velocity and bounds

@@ -82,8 +82,10 @@ def next_event(run: Run, links: Links, node: Node, h: float) -> Event:
         for which in range(contact_laws.guard_count(links[i])):
             status = set_guard_values(run, links[i], node, which, h)
             zero = find_event(run, links[i], node, which, h)
-            # NOWHERE is above 1. An event at 1, the end of the piece, counts.
-            if zero <= 1 and (first == NONE or zero < position):
+            is_in_piece = zero <= 1  # NOWHERE is above 1, the end of the piece
+            # The first event counts even at 1, which `position` is before it.
+            is_earliest = first == NONE or zero < position
+            if is_in_piece and is_earliest:
                 position = zero
                 first = i
                 first_status = status

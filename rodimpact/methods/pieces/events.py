@@ -237,13 +237,16 @@ def record_piece(state: State, node: Node, ticks: int) -> None:
         else:
             logged = Status.GRAZE.value
         logged_since = node.now
-        if link.status != Status.OPEN and link.status != Status.GRAZE:  # a force acts
+        has_force = link.status != Status.OPEN and link.status != Status.GRAZE
+        if has_force:
             # The integral is over y, which runs through 2 in the time h.
             link.impulse += 0.5 * h * series.integral(link.force)
             largest = series.largest(link.force)
             # A piece as short as `event_window` lies between two breaks that nearly
             # coincide: its peak is round-off.
-            if ticks > run.event_window and largest > PEAK_RTOL * link.peak_force:
+            is_long = ticks > run.event_window
+            may_raise_peak = largest > PEAK_RTOL * link.peak_force
+            if is_long and may_raise_peak:
                 raise_peak(link, node)
             overlap = series.largest(link.overlaps)
             is_contact = link.status >= Status.PRESS  # not a bond, joint or push
@@ -368,10 +371,11 @@ def log_contact_change(
     if logged == Status.OPEN:
         # It pressed in this episode, but its force was logged as ended before now.
         ended_faintly = link.logged_status == Status.GRAZE and link.starts_episode == 0
-        if ended_faintly and link.law >= Law.SPRING and link.damping == 0:
-            # A compliant contact without damping presses until it opens: the end of its
-            # force was logged too early by the time since then. This time replaces
-            # `fading_ticks`, which were added when the end was logged.
+        # A compliant contact without damping presses until it opens.
+        presses_to_end = link.law >= Law.SPRING and link.damping == 0
+        if ended_faintly and presses_to_end:
+            # The end of its force was logged too early by the time since then. This
+            # time replaces `fading_ticks`, which were added when the end was logged.
             link.uncertain_ticks += tick - link.last_force_tick - link.fading_ticks
         link.starts_episode = 1
         link.last_opening_tick = tick

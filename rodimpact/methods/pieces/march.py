@@ -265,7 +265,8 @@ def set_state_after_event(state: State, node: Node, event: Event) -> None:
     for side in range(2):
         node.incoming[side][0] = node.incoming[side][N]
     events.apply_transition(state, node, node.now, event.link, event.status)
-    if event.status == Status.OPEN and run.next_proof_tick < NEVER:
+    tries_proofs = run.next_proof_tick < NEVER
+    if event.status == Status.OPEN and tries_proofs:
         # No node has passed the tick of the next proof: it is that of the latest node.
         run.next_proof_tick = node.now
         for i in range(len(state.nodes)):

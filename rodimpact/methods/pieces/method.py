@@ -390,12 +390,12 @@ def _body_velocities(family: Members) -> tuple[list[Any], list[Any]]:
     bodies to which it belongs; walls are bodies, too.
     """
     groups_before, groups_after = _group_velocities(family)
-    before = _velocities_by_body(family.row, groups_before)
-    after = _velocities_by_body(family.row, groups_after)
+    before = _assign_to_bodies(family.row, groups_before)
+    after = _assign_to_bodies(family.row, groups_after)
     return before, after
 
 
-def _velocities_by_body(row: Row, group_velocities: list[Any]) -> list[Any]:
+def _assign_to_bodies(row: Row, group_velocities: list[Any]) -> list[Any]:
     """Velocities of all bodies, m/s, [body] of arrays by member.
 
     `group_velocities` has the velocity of each group of the system, from left to right.

@@ -431,7 +431,8 @@ def collocate(
     steps = 0
     update_motion(links, masses, node, h)
     while unknown_count > 0 and residual >= RESIDUAL_RTOL:
-        if steps == MAX_NEWTON_STEPS or not residual < DIVERGED:  # NaN is not below it
+        has_diverged = not residual < DIVERGED  # true for NaN, too
+        if steps == MAX_NEWTON_STEPS or has_diverged:
             return False
         is_first_step = steps == 0
         residual = linearise_links(links, node, h, is_first_step)

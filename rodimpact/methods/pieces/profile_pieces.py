@@ -115,7 +115,8 @@ def in_pieces(
     The break between two pieces has order 0 at a jump, 1 at a kink, and MAX_HARD_ORDER
     at the border of a constant part without jump or kink; else it is SMOOTH. A kink
     counts if straight lines with this kink would miss a smooth curve by more than
-    `break_size`, see `_bends`: lines through close samples of a smooth curve have none.
+    `break_size`, see `_kink_sizes`: lines through close samples of a smooth curve have
+    none.
 
     Parameters
     ----------
@@ -150,9 +151,9 @@ def in_pieces(
     inner = first[1:]  # edges between two pieces
     starts = edges[first]
     stops = edges[np.append(inner, -1)]  # the last piece ends at the last edge
-    bends = _bends(series, stops - starts, edges, inner)
+    kink_sizes = _kink_sizes(series, stops - starts, edges, inner)
     # Order of a break: 0 where the value jumps, 1 where the slope jumps
-    kink_order = np.where(bends > break_size + round_off, 1, SMOOTH)
+    kink_order = np.where(kink_sizes > break_size + round_off, 1, SMOOTH)
     signal_order = np.where(jumps[inner - 1], 0, kink_order)  # edge k is jumps[k - 1]
     # The border of a constant part is always a hard break, one of low order.
     hard_order = np.minimum(signal_order, MAX_HARD_ORDER)
@@ -167,7 +168,7 @@ def in_pieces(
     return pieces, fitted.miss
 
 
-def _bends(series: Floats, widths: Ints, edges: Ints, inner: Ints) -> Floats:
+def _kink_sizes(series: Floats, widths: Ints, edges: Ints, inner: Ints) -> Floats:
     """Size of the kink between each piece and the next one, [piece - 1].
 
     It is the amount k w/8 by which straight lines between samples at a distance w miss
@@ -177,13 +178,13 @@ def _bends(series: Floats, widths: Ints, edges: Ints, inner: Ints) -> Floats:
     `series` and `widths`, ticks, are the Chebyshev series and the durations of the
     pieces. Piece i + 1 begins at the edge `inner[i]`; `edges` are ticks.
     """
-    kinks = _kinks(series, widths * 1.0)  # as floats
+    slope_jumps = _slope_jumps(series, widths * 1.0)  # as floats
     width_before = edges[inner] - edges[inner - 1]
     width_after = edges[inner + 1] - edges[inner]
-    return np.asarray(kinks * np.minimum(width_before, width_after) / 8)
+    return np.asarray(slope_jumps * np.minimum(width_before, width_after) / 8)
 
 
-def _kinks(series: Floats, widths: Floats) -> Floats:
+def _slope_jumps(series: Floats, widths: Floats) -> Floats:
     """Absolute jump of the slope between each piece and the next one, per tick.
 
     The result is [piece - 1]. `series` are the Chebyshev series of the pieces, [piece,
