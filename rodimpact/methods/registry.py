@@ -155,10 +155,11 @@ class Options(FrozenDataclass):
             self._set(snapshots=_snapshots(problems, self.snapshots, self.until))
         # Options with a problem so far; an option is not reported twice.
         reported = [path for path, _ in problems]
-        if "rtol" not in reported and self.rtol is not None and self.rtol > 1:
-            add_problem(
-                problems, "rtol", "must be at most 1, the whole outcome", self.rtol
-            )
+        if "rtol" not in reported:
+            is_too_large = self.rtol is not None and self.rtol > 1
+            if is_too_large:
+                message = "must be at most 1, the whole outcome"
+                add_problem(problems, "rtol", message, self.rtol)
         for name in ("dt", "cells"):
             has_both = self.rtol is not None and getattr(self, name) is not None
             if has_both and name not in reported:

@@ -34,7 +34,8 @@ def effect_of_rounding(finished: FrontRun) -> Mapping[str, float]:
 
     `NO_ERRORS`, an empty mapping, is returned without a second run if the relative
     change of transit times by rounding is at most `ROUNDED`, or if the cap on events
-    ended the run. All errors are inf if both runs end for different reasons.
+    ended the run. All errors are inf if both runs end for different reasons. The second
+    run raises TooLong if it takes too much memory.
     """
     if finished.clock.transit_error <= ROUNDED or finished.stopped_by == "max_events":
         return NO_ERRORS

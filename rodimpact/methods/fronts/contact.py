@@ -55,8 +55,9 @@ def resolve_contact(
     changed here. Signorini: gap >= 0, force >= 0, and one of them is 0. So a closed
     contact becomes PRESS if its faces would approach without a force, and OPEN if they
     part. If they do neither, PRESS becomes GRAZE, and any other status is kept. A gap
-    that closes now is TOUCH first, and is then judged as closed. The gap rate of a
-    closed contact is exactly 0.
+    that closes now is TOUCH first, and is then judged as closed. The gap rate is
+    exactly 0 for a closed contact, and for an open one whose closing velocity is at
+    most `tolerance`.
 
     Parameters
     ----------

@@ -143,7 +143,7 @@ def split_at_jumps(state: State, values: Values) -> int:
     Each piece sets one duration, so that the same number of durations is set. The first
     piece of segment s sets the transit time of the segment: duration s - 1. Any other
     piece begins at a jump, and sets the time that a wave takes from the left end of the
-    segment to this jump: duration n + i - s for piece i, counted over all segments.
+    segment to this jump: duration n + p - s for piece p, counted over all segments.
     Velocity and strain of each piece, and `first_piece` of each segment, are set, too.
     """
     durations = state.durations
@@ -288,9 +288,10 @@ def set_transits(
 ) -> None:
     """Set transit and mobility of the segments, and `shortest_segment` of the run.
 
-    Transits are the ticks of the first n durations. If `perturb_rounding` of the run is
-    1, a transit that was rounded by more than `TRANSIT_RTOL` is rounded the other way:
-    one that was rounded up becomes a tick shorter, one rounded down a tick longer.
+    Transits are the ticks of the first n durations, of n segments. If
+    `perturb_rounding` of the run is 1, a transit that was rounded by more than
+    `TRANSIT_RTOL` is rounded the other way: one that was rounded up becomes a tick
+    shorter, one rounded down a tick longer.
     """
     n = len(segments) - 2
     run.shortest_segment = 1

@@ -76,16 +76,17 @@ def run_to_end(state: State) -> int:
     stop = Stop.NONE.value
     is_running = True
     while is_running:
-        # Whether the horizon is the end of the run, not the end of the clock
-        had_end = run.end_tick != NONE or run.proved_tick != NONE
+        # An end is given, or was set by a proof; otherwise the horizon is the end of
+        # the clock.
+        horizon_is_end = run.end_tick != NONE or run.proved_tick != NONE
         horizon = find_horizon(run)
         stop = events.advance(state, horizon)
-        if stop == Stop.DONE and had_end:
+        if stop == Stop.DONE and horizon_is_end:
             run.now = horizon  # all events up to the horizon have happened
         if stop != Stop.FULL and run.proved_tick == NONE:
             try_proof(state, stop)
         # Go on after a CHECK, or to the end that a proof has just set.
-        proof_sets_end = not had_end and run.proved_tick != NONE
+        proof_sets_end = not horizon_is_end and run.proved_tick != NONE
         is_running = stop == Stop.CHECK or (stop == Stop.DONE and proof_sets_end)
     if stop == Stop.DONE and runs_to_proof:
         stop = Stop.FINAL.value
@@ -152,7 +153,8 @@ def store_member_result(state: State, results: Sequence[NodeResult]) -> None:
     """Set the results, [node], of the member that has run, in SI units.
 
     The results of segment k are stored at node k, on its right, and the results of the
-    run at node 0. The vibration energy of the run is the sum over the segments.
+    run at node 0, where those of a segment have no meaning. The vibration energy of the
+    run is the sum over the segments.
     """
     run = state.runs[0]
     tick_duration = run.tick_duration

@@ -178,6 +178,8 @@ class Members:
         ------
         Stopped
             If `should_stop` returns True.
+        TooLong
+            If a run takes too much memory.
         """
         for count, m in enumerate(members):
             if count % MEMBERS_PER_CHECK == 0 and should_stop():
@@ -216,6 +218,11 @@ class Members:
         It runs in slices of steps. A slice that does not reach the end of the run stops
         with CAP. Then `report` gets the numbers of steps so far and of expected steps,
         and the run may change from plain Python to machine code.
+
+        Raises
+        ------
+        TooLong
+            If the run takes too much memory.
         """
         batch = self.batch
         batch.choose_form(MIN_RUN_TIME)  # plain Python, until machine code pays

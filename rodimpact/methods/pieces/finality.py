@@ -234,8 +234,8 @@ def update_part(state: State, part: GroupPart, speed: float, tick: int) -> None:
     c strain = (b - a)/2. With integrals over y from -1 to 1, its mean velocity is
     (integral of a + integral of b)/4, and its energy m (integral of a^2 + integral of
     b^2)/8. The energy of a mass is m (v - speed)^2/2, that of the spring of a joint
-    k d^2/2. Walls and endless rods have the energy 0. These and joints have no mean
-    velocity: the field stays 0.
+    k d^2/2. Walls and endless rods have the energy 0. Walls, endless rods and joints
+    have no mean velocity: the field stays 0.
     """
     part.vibration_energy = 0.0
     if part.kind == PartKind.MASS:

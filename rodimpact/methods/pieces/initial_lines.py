@@ -325,6 +325,7 @@ class InitialLines:
             return OutsideSignal(
                 factor=wave_of_strain(row, side), start=start, slope=0.0
             )
+        # A pushed end, or the free end of a rigid mass, whose force is 0
         return OutsideSignal(factor=1.0, start=0.0, slope=0.0)
 
     def _line_inward(self, side: int) -> int:

@@ -312,9 +312,9 @@ def classify_break(run: Run, lines: Lines, log: Log, old: int, i: int) -> None:
     curvature_jump = 0.0  # jump of the curvature, times s^2/2
     sign = 1.0  # (-1)^m
     for m in range(POINTS):
-        q = m * m
-        # Value of the term m at the end of the old piece, where T_m = 1, and at the
-        # start of the new one, where T_m = (-1)^m
+        q = m * m  # T_m' at the end
+        # Value b of term m at the end of the old piece, where T_m = 1, and its value c
+        # at the start of the new one, where T_m = (-1)^m
         b = before.coefficients[m]
         c = sign * new.coefficients[m]
         jump += c - b

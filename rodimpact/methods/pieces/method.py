@@ -76,6 +76,8 @@ def solve(
     InvalidModel
         If numbers are out of range, the clock cannot count the run, or no forces
         satisfy the laws, for instance because walls squeeze a rigid mass.
+    TooLong
+        If one of the two runs takes too much memory.
     """
     if row.segments:
         check_scales(row)
@@ -142,6 +144,10 @@ def solve_family(
     ------
     Stopped
         If `should_stop` returns True.
+    InvalidModel
+        If the clock cannot count the run of some member.
+    TooLong
+        If a run takes too much memory.
     """
     refused = np.zeros(row.system.shape, bool)
     if row.segments:
@@ -170,7 +176,7 @@ def stated_errors(
     `members` are the numbers of the members whose errors are wanted; they must have
     run. They run again with a coarser tolerance and other pieces, and the results are
     compared. Other members get nan. `should_stop` and `report` are used as in
-    `Members.run_all`.
+    `Members.run_all`, which may raise Stopped or TooLong.
     """
     coarser = fine.request._replace(
         tolerance=COARSER * fine.request.tolerance, keeps_history=False

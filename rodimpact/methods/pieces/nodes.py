@@ -113,6 +113,7 @@ def start_forces(links: Links, node: Node) -> int:
         if acts and (node.link_count > 1 or overlap_changes(link)):
             link.unknown_index = unknown_count
             unknown_count += 1
+        # The force of a closed link is known only between two rods, at a constant d.
         is_closed = is_bond or link.status == Status.PRESS
         follows_from_waves = is_closed and link.unknown_index == NONE
         for j in range(POINTS):
@@ -152,8 +153,8 @@ def update_motion(links: Links, masses: Masses, node: Node, h: float) -> None:
     d' = share (closing - Y F) with the elastic share.
 
     They start from the velocities and overlaps at the start of the piece. d stays
-    constant where `overlap_changes` is false. `scratch_values` of the node is
-    overwritten.
+    constant where `overlap_changes` is false. The closing velocity of a push has no
+    meaning. `scratch_values` of the node is overwritten.
     """
     for i in range(node.link_count - 1):
         left_link = links[node.first_link + i]
@@ -169,7 +170,8 @@ def update_motion(links: Links, masses: Masses, node: Node, h: float) -> None:
         if overlap_changes(link):
             share = elastic_share(link)
         for j in range(POINTS):
-            # At the end of a rod the incoming wave takes the place of the velocity.
+            # At the end of a rod the incoming wave takes the place of the velocity; at
+            # a wall `incoming` is the velocity of the wall.
             if q == 0:
                 v_left = node.incoming[0][j]
             else:
@@ -479,9 +481,9 @@ def forbid_pulling(links: Links, node: Node) -> None:
     Where a force falls to 0, its polynomial may fall slightly below 0. Let m > 0
     (`swing`) be at least as large as its deepest value below 0, and J the integral of F
     over y from -1 to 1. Then F is replaced by (F + m) J/(J + 2 m), which is never
-    negative, and has the integral J too: the impulse does not change. If J is not
-    positive, F becomes 0. Nothing but forces is changed. Forces of bonds and joints may
-    be negative, and stay.
+    negative. It has the integral J, too, as 2 m is that of m: the impulse does not
+    change. If J is not positive, F becomes 0. Nothing but forces is changed. Forces of
+    bonds and joints may be negative, and stay.
     """
     for q in range(node.link_count):
         link = links[node.first_link + q]
