@@ -206,6 +206,7 @@ def own_force(link: Any, d: float, closing: float) -> tuple[float, float, float]
     overlap_step = link.overlap_step
     f_deeper = odd_user_force(link, d + overlap_step, rate)
     by_overlap = (f_deeper - f) / overlap_step  # df/dd
+    # `by_rate` is the derivative before the last change of F, which is small.
     share = 1 / (1 + Y * by_rate)
     return F, by_overlap * share, by_rate * share
 

@@ -205,8 +205,8 @@ def accumulate_contact_totals(node: Node, dt: int, window: int) -> None:
         node.impulse += impulse
         node.impulse_moment += impulse * (node.solved_tick + dt / 2)  # mean time
         node.work += node.force * node.face_velocity * dt
-        # A shorter force is an artefact of rounding: without it, the waves at its two
-        # ends would arrive at the same tick.
+        # A shorter force is an artefact of rounding: without it, the waves that begin
+        # and end the force would arrive at the same tick.
         if dt > window:
             node.peak_force = max(node.peak_force, node.force)
     if node.status == Status.PRESS:

@@ -505,7 +505,7 @@ def append_driven_fronts(
             wave = value * state.segments[end_segment].mobility
         elif outside.boundary_kind == BoundaryKind.ENDLESS:
             wave = wave_by_strain * value + inward_wave
-        else:
+        else:  # a given velocity
             wave = value - run.frame_velocity
         if j == value_count - 1:  # no value follows
             is_last = True

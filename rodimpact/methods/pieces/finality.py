@@ -336,8 +336,9 @@ def bound_end_velocities(state: State, first: int, stop: int) -> None:
     The group consists of the parts from `first` to `stop` - 1. `min_wave` and
     `max_wave`, m/s, which are the reference velocity so far, are widened to include the
     waves in its segments, and their reflections at walls. `ends_follow_waves` becomes 1
-    if the ends of the group have no velocities outside these bounds: for one segment
-    alone or between walls, and for a group of a single part, such as a mass.
+    if the ends of the group have no velocities outside these bounds: for one segment,
+    alone or beside walls and endless rods, and for a group of a single part, such as a
+    mass.
     """
     group = state.parts[first]
     segments = 0

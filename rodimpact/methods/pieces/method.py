@@ -86,6 +86,7 @@ def solve(
     members.run_member(report=report)
     if members.runs["stop_reason"][0, 0] == Stop.STUCK:
         nodes = record_lists.as_objects(members.nodes[0])
+        # The earliest node was the one to go next.
         stuck = min(nodes, key=lambda node: node.now)
         seconds = float(members.clock.tick * stuck.now)
         raise InvalidModel([totals.why_stuck(row, stuck, seconds)])

@@ -199,7 +199,8 @@ def linearise(link: Link, h: float, is_first: bool) -> float:
     present d and closing. In the first Newton step (`is_first`) d is extrapolated: it
     is d + d' u + d'' u^2/2, with the values at the start of the piece and u the time
     since then, s. The piece has the duration h, s. For a link at rest (REST) `closing`
-    takes the place of F: base and by_overlap are 0, and by_closing is 1.
+    takes the place of F: base and by_overlap are 0, by_closing is 1, and the residual
+    has no meaning.
 
     The residual is the largest difference between the force by the contact law and the
     present force, divided by the largest force. Large terms may cancel in the force,
@@ -529,12 +530,12 @@ def truncation_error(links: Links, masses: Masses, node: Node) -> float:
     """Return the truncation error of a piece, m/s: the largest tail of its series.
 
     The tail of a series is its last two coefficients, see `series.truncation_estimate`.
-    The series are those of incoming waves, leaving waves, velocities of masses, and
-    forces. Incoming waves count too, as they may cancel in the leaving ones. Forces are
-    converted to velocities: a push F to 2 F `effective_mobility`, the force of a link
-    to the velocity that it makes in a typical piece. The force of a link that is alone
-    in its node does not count, as it is seen in the leaving waves. `node.outgoing` is
-    overwritten.
+    The series are those of incoming waves, leaving waves, velocities of masses, pushes,
+    and forces of links whose overlap changes. Incoming waves count too, as they may
+    cancel in the leaving ones. Forces are converted to velocities: a push F to
+    2 F `effective_mobility`, the force of a link to the velocity that it makes in a
+    typical piece. The force of a link that is alone in its node does not count, as it
+    is seen in the leaving waves. `node.outgoing` is overwritten.
     """
     worst = 0.0
     for side in range(2):
@@ -553,10 +554,10 @@ def truncation_error(links: Links, masses: Masses, node: Node) -> float:
         body = masses[node.first_mass + i]
         worst = max(worst, series.truncation_estimate(body.velocity))
     if node.link_count == 1:
-        forces = 0  # number of forces that count
+        counted_links = 0  # the force of this link is seen in the leaving waves
     else:
-        forces = node.link_count
-    for q in range(forces):
+        counted_links = node.link_count
+    for q in range(counted_links):
         link = links[node.first_link + q]
         if overlap_changes(link):
             # `effective_mobility` is the velocity that 1 N makes in a whole transit.

@@ -203,7 +203,7 @@ def _contact(
         closing = lines[history_line + 2]
     else:
         closing = _rate(gap, -1.0 / tick)  # m/s: minus the rate of the gap
-    impacts = contact_events[contact_events["impulse"] > 0]
+    impacts = contact_events[contact_events["impulse"] > 0]  # none for other laws
     # An impact takes no time. Its force is put into the tick before it; at t = 0, into
     # the first tick.
     impact_ticks = np.maximum(impacts["tick"] - 1, 0)
