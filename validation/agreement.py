@@ -138,7 +138,11 @@ def impulse_error(system: ri.System) -> float:
 
 
 def random_rows(whole_numbers: bool) -> Rows:
-    """Largest relative error of an impulse in random rows with gaps and walls."""
+    """Largest relative error of an impulse in random rows with gaps and walls.
+
+    Rows in which nothing collides are left out. `whole_numbers` says whether all
+    transit times are whole numbers.
+    """
     lengths = "without common measure"
     bound = 1e-12
     if whole_numbers:
@@ -149,7 +153,7 @@ def random_rows(whole_numbers: bool) -> Rows:
     for _ in range(RANDOM_ROWS):
         system = random_row(rng, whole_numbers)
         errors.append(impulse_error(system))
-    worst = np.nanmax(errors)
+    worst = np.nanmax(errors)  # nan stands for a row without a collision
     case = Case(
         f"{RANDOM_ROWS} random rows with gaps, walls and re-contact, lengths {lengths}",
         "fronts",
@@ -176,15 +180,16 @@ def compliant_systems() -> dict[str, ri.System]:
 
 
 def on_grid() -> Rows:
-    """Order of the error of the grid's first impulse in the size of the cells.
+    """Order of the error of the grid in the impulse of the first contact.
 
     The error falls as cells^-order, from the smallest to the largest number of cells.
+    The reference is the method of characteristics.
     """
     first = CELLS[0]
     last = CELLS[-1]
     for name, system in compliant_systems().items():
         reference = ri.solve(system, END, "characteristics", rtol=RTOL)
-        exact = impulses(reference)[0]
+        exact = impulses(reference)[0]  # of the first contact
         errors = []
         for cells in CELLS:
             solution = ri.solve(system, END, "finite-difference", cells=cells)

@@ -28,7 +28,7 @@ import numpy as np
 
 import rodimpact as ri
 
-from .table import Case, Rows, largest
+from .table import Case, Rows, largest_magnitude
 
 BOX = "textbook, box 10.4"
 STEEL = ri.materials.steel
@@ -117,11 +117,14 @@ def motion_left(solution: ri.Solution, length: float, since: float) -> float:
     t = np.linspace(since, solution.t_end, 50)[1:]  # at `since` itself fields jump
     velocity = solution.velocity(0, x, t)
     strain = solution.strain(0, x, t)
-    return max(largest(velocity), largest(strain))
+    return max(largest_magnitude(velocity), largest_magnitude(strain))
 
 
 def lost_energy(short: float, long: float) -> float:
-    """Energy that these rods lose to vibration: (1 - e^2) mu v^2/2, J."""
+    """Energy that rods of these lengths lose to vibration: (1 - e^2) mu v^2/2, J.
+
+    mu = m1 m2/(m1 + m2) is the reduced mass, v the closing speed, and e = short/long.
+    """
     e = short / long
     m1 = DENSITY * AREA * short
     m2 = DENSITY * AREA * long

@@ -94,15 +94,19 @@ STEP = 0.999 / 200  # time step of 200 cells
 
 
 def mode(ends: Ends, n: int) -> Rows:
-    """Rate of decay of mode n, started alone, over that expected: eta omega^2/(2 E)."""
+    """Rate of decay of the velocity in mode n, over the expected eta omega^2/(2 E).
+
+    Only this mode is started. The velocity is that at a crest of the mode.
+    """
+    youngs_modulus = 1.0
     k = (n - ends.shift) * math.pi  # wave number; the rod has the length 1
     x = np.linspace(0.0, 1.0, 8001)
     velocity = ri.Samples(ends.shape(k * x))
     rod = ri.Rod(1.0, area=1.0, material=material(TAU), velocity=velocity)
-    interval = 20 // n * STEP  # whole steps, fewer for a mode that swings faster
+    interval = (20 // n) * STEP  # whole steps, fewer for a mode that swings faster
     times = np.arange(1, 61) * interval
     system = ri.System([rod], ends=ends.conditions)
-    until = float(times[-1]) + STEP
+    until = float(times[-1]) + STEP  # so that the last time is inside the run
     solution = ri.solve(
         system,
         method=METHOD,
@@ -110,9 +114,11 @@ def mode(ends: Ends, n: int) -> Rows:
         until=until,
         snapshots=times,
     )
-    v = solution.velocity(0, ends.crest / k, times)
+    x_of_crest = ends.crest / k
+    v = solution.velocity(0, x_of_crest, times)
     rate = decay_rate(v, interval)
-    ratio = rate / ri.theory.kelvin_voigt_decay(1.0, TAU, k)
+    omega = k  # the wave speed is 1
+    ratio = rate / ri.theory.kelvin_voigt_decay(youngs_modulus, TAU, omega)
     case = Case(f"damped rod, {ends.name}, mode {n}", "eta omega^2/(2 E)")
     yield case.row("rate of decay over expected", 1.0, ratio, 2e-3)
 
@@ -154,9 +160,11 @@ def stepped_rod() -> Rows:
     system = ri.System([striker, rod])
     solution = ri.solve(system, method=METHOD, cells=100, until=50.0)
     ring_down = solution.ring_down()
-    rate = ri.theory.kelvin_voigt_decay(1.0, tau, k)
-    decay_time = 1 / (2 * rate)
-    frequency = k / (2 * math.pi)
+    youngs_modulus = 1.0
+    omega = k  # the wave speed is 1
+    rate = ri.theory.kelvin_voigt_decay(youngs_modulus, tau, omega)
+    decay_time = 1 / (2 * rate)  # of the energy, which falls twice as fast
+    frequency = omega / (2 * math.pi)
     case = Case("damped stepped rod, struck by a mass", "A1 tan k l1 + A2 tan k l2 = 0")
     yield case.row(
         "decay time of the energy in the end",
@@ -204,7 +212,7 @@ def restitution_by_modes(tau: float) -> float:
 def solve_damped_pair(tau: float, Z1: float = 1.0, Z2: float = 1.0) -> ri.Outcome:
     """The outcome of damped rods 0.4 : 1 of these impedances, on a grid of 400 cells.
 
-    tau is eta/E, the first rod has the velocity 1.
+    tau is eta/E. The first rod has the velocity 1, the second one is at rest.
     """
     first = ri.Rod(SHORT, area=1.0, material=material(tau, Z1), velocity=1.0)
     second = ri.Rod(LONG, area=1.0, material=material(tau, Z2))
@@ -213,7 +221,11 @@ def solve_damped_pair(tau: float, Z1: float = 1.0, Z2: float = 1.0) -> ri.Outcom
 
 
 def restitution() -> Rows:
-    """e and balances of rods of one material and thickness at several dampings."""
+    """e and balances of rods of one material and thickness at several dampings.
+
+    At strong damping e is compared with that of the modes, and the balances of energy
+    and momentum with 0. At weak damping e alone is compared with l1/l2.
+    """
     case = Case("damped rods 0.4 : 1", "conserved")
     for tau in (0.2, 0.1, 0.05, 0.02):
         expected = restitution_by_modes(tau)
@@ -348,7 +360,11 @@ def draw_level(ax: Axes, energy: float, label: str, offset: float) -> None:
 
 
 def draw_energy(ax: Axes, solution: ri.Solution) -> None:
-    """Draw how the energy falls to that of rigid bodies."""
+    """Draw how the total energy falls to that of rigid bodies, over that before.
+
+    Dotted lines are at the energies of elastic rods after the impact: with and without
+    vibration.
+    """
     before = solution.outcome.kinetic_before
     elastic = ri.solve(steel_pair(STEEL)).outcome
     after = (elastic.kinetic_after + sum(elastic.vibration_after)) / before
@@ -367,7 +383,10 @@ def draw_energy(ax: Axes, solution: ri.Solution) -> None:
 
 
 def draw_vibration(ax: Axes, solution: ri.Solution) -> None:
-    """Draw the vibration, and its longest mode, fitted to the second half."""
+    """Draw the energy of vibration, and that of the lowest mode of the longer rod.
+
+    The latter is an exponential, fitted to the second half of the former.
+    """
     before = solution.outcome.kinetic_before
     ring_down = solution.ring_down()
     times = ring_down.times
@@ -395,7 +414,7 @@ def draw_vibration(ax: Axes, solution: ri.Solution) -> None:
 
 @styled
 def draw() -> Axes:
-    """Draw two panels: energy; vibration and its longest mode. Return the left Axes."""
+    """Draw two panels: energy; vibration and its lowest mode. Return the left Axes."""
     left, right = new_figure(width=9.5, height=3.6).subplots(1, 2)
     solution = solve_ringing_pair()
     draw_energy(left, solution)

@@ -32,7 +32,7 @@ from numpy.random import default_rng
 import rodimpact as ri
 from rodimpact.model.quantities import Floats
 
-from .table import Case, Rows, largest
+from .table import Case, Rows, largest_magnitude
 
 STEEL = ri.materials.steel
 C = STEEL.wave_speed
@@ -143,7 +143,7 @@ def hidden_strikers() -> Rows:
         areas = np.array([segment.area for segment in segments])
         # Segments count from the left; the struck end is on the right.
         from_struck_end = areas[::-1] / BAR.segments[0].area
-        area_errors.append(largest(from_struck_end / ratios - 1))
+        area_errors.append(largest_magnitude(from_struck_end / ratios - 1))
         misfits.append(design.misfit)
     median_error = np.median(area_errors)
     largest_misfit = max(misfits)

@@ -63,7 +63,12 @@ def box() -> Rows:
 def pair(
     lengths: tuple[int, int], areas: tuple[int, int], cell: set[sympy.Expr]
 ) -> Rows:
-    """Saint-Venant's formula for a pair, and the inequalities of its cell."""
+    """e of a pair by its formula against Saint-Venant's, and the inequalities.
+
+    e is compared at all products of the numbers with `FACTORS` that lie in the cell of
+    the formula; the row counts wrong values. A second row counts the inequalities of
+    the formula that differ from those in `cell`.
+    """
     first_length, second_length = lengths
     first_area, second_area = areas
     first = rod(first_length, first_area, velocity=1.0)
@@ -78,7 +83,7 @@ def pair(
         z2 = factors[2] * second_area
         t2 = factors[3] * second_length
         place = {"Z1": z1, "T1": t1, "Z2": z2, "T2": t2}
-        if not form.holds(**place):
+        if not form.holds(**place):  # outside the cell
             continue
         places += 1
         e = form.at(**place).restitution

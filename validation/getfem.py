@@ -17,7 +17,7 @@ import numpy as np
 
 import rodimpact as ri
 
-from .table import Case, Rows, largest
+from .table import Case, Rows, largest_magnitude
 from .unit import rod
 
 SOURCE = "Dabaghi et al. 2014"
@@ -92,7 +92,7 @@ def state_change(solution: ri.Solution, t: float) -> float:
     for field in (solution.velocity, solution.strain, solution.displacement):
         at_start = field(1, X, 0.0)
         difference = field(1, X, t) - at_start
-        differences.append(largest(difference))
+        differences.append(largest_magnitude(difference))
     return max(differences)
 
 

@@ -34,7 +34,7 @@ import rodimpact as ri
 from rodimpact.methods import kernels
 
 from .sphere_on_wall import StruckRod, method_of_steps
-from .table import Case, Rows, largest
+from .table import Case, Rows, largest_magnitude
 
 METHOD = "finite-difference"
 
@@ -42,7 +42,7 @@ METHOD = "finite-difference"
 def half_octaves(finest: int) -> tuple[int, ...]:
     """Cells in the segment of the longest transit, from 100 to 100 `finest`.
 
-    They are half an octave apart: 100, 141, 200 and so on.
+    They are half an octave apart: 100, 141, 200 and so on. `finest` is a power of 2.
     """
     cells = []
     # 16 = 2^4 has 5 binary digits: 4 octaves, 9 numbers with both ends.
@@ -245,7 +245,10 @@ def compared_times(exact: ri.Solution) -> np.ndarray:
 
 
 def on_grid(system: ri.System, exact: ri.Solution, cells: int) -> ri.Solution:
-    """The same run by finite differences, with the states at the compared times."""
+    """The run `exact` of a system by finite differences, until the same end.
+
+    States are stored at the `compared_times`.
+    """
     return ri.solve(
         system,
         method=METHOD,
@@ -256,10 +259,14 @@ def on_grid(system: ri.System, exact: ri.Solution, cells: int) -> ri.Solution:
 
 
 def errors_of(system: ri.System, exact: ri.Solution, stepped: ri.Solution) -> Errors:
-    """Errors of a run on a grid, in which at least one contact presses."""
+    """Errors of a run on a grid, in which at least one contact presses.
+
+    They are the largest error of a velocity afterwards, the largest relative error of
+    an impulse of the contacts that press in `exact`, and the `field_error`.
+    """
     velocities = stepped.outcome.velocities_after
     exact_velocities = exact.outcome.velocities_after
-    velocity = largest(np.subtract(velocities, exact_velocities))
+    velocity = largest_magnitude(np.subtract(velocities, exact_velocities))
     impulse_errors = []
     contacts = zip(stepped.outcome.contacts, exact.outcome.contacts, strict=True)
     for computed, expected in contacts:
@@ -271,7 +278,10 @@ def errors_of(system: ri.System, exact: ri.Solution, stepped: ri.Solution) -> Er
 
 
 def field_error(system: ri.System, exact: ri.Solution, stepped: ri.Solution) -> float:
-    """Mean absolute error of the velocity over all rods and the compared times."""
+    """Mean absolute error of the velocity over the compared times and all rods.
+
+    Rods count by their lengths; other bodies are left out.
+    """
     times = compared_times(exact)
     places = np.arange(PLACES)[:, None]
     shares = (places + 0.5) / PLACES
@@ -406,7 +416,11 @@ def compliant() -> Rows:
 
 
 def smooth_orders(case: Case, system: ri.System, exact_impulse: float) -> Rows:
-    """Errors of e and of the impulse at 400 cells, and their orders."""
+    """Errors of e and of the impulse on the finest grid, and their orders.
+
+    The error of the impulse is relative. `exact_impulse` is that of two bodies that
+    close at speed 1.
+    """
     first, second = system.bodies
     inverse_masses = 1 / first.mass + 1 / second.mass
     exact_e = exact_impulse * inverse_masses - 1  # at a closing speed of 1

@@ -142,12 +142,12 @@ def pushed_rod() -> Rows:
     solution = ri.solve(system, method=METHOD, cells=200, until=3.8, snapshots=times)
     middles = (np.arange(400) + 0.5) / 400
     x = middles[:, None]
-    velocity_error = solution.mean_velocity(0, times) - times
+    velocity_error = solution.mean_velocity(0, times) - times  # F t/m = t
     displacement = solution.displacement(0, x, times)
     centre = displacement.mean(axis=0)
     centre_error = centre - times**2 / 2
     early = times[:2]  # before the wave is back at the pushed end, at t = 2
-    end_error = solution.displacement(0, 0.0, early) - early
+    end_error = solution.displacement(0, 0.0, early) - early  # F t/Z = t
     residual = solution.energy(3.8).residual
     case = Case("force of 1 on a free rod of mass 1, 200 cells", "Newton")
     yield case.zero(
@@ -207,6 +207,7 @@ def hopkinson_bar() -> Rows:
     energy = solution.energy(end)
     kinetic_before = hopkinson.STRIKER_LENGTH / 2  # m v^2/2, the mass is the length
     transmitted_share = float(energy.radiated) / kinetic_before
+    # What has not left through the transmitted bar was reflected.
     remaining_share = float(energy.total) / kinetic_before
     reflected = hopkinson.reflected_share()
     expected_transmitted = round(1 - reflected, 12)

@@ -40,7 +40,7 @@ from rodimpact.plot.panels import format_axes, new_figure
 from rodimpact.plot.style import DASHES, FAINT, SERIES, styled
 
 from .sphere_on_wall import STEEL, StruckRod, method_of_steps
-from .table import Case, Rows, largest
+from .table import Case, Rows, largest_magnitude
 from .unit import rod
 
 SHORT = 0.4  # length of the first rod; that of the second is 1
@@ -132,14 +132,18 @@ def by_speed() -> Rows:
 
 
 def one_stiffness() -> Rows:
-    """Largest difference of e for several k and V of one kappa."""
+    """Largest difference of e for several stiffnesses and closing speeds of one kappa.
+
+    The closing speed V = 1 is compared with 1e-4 and 100, each with the stiffness k for
+    which kappa = k V^(1/2) is the same.
+    """
     kappa = 10.0
     differences = []
     for V in (1e-4, 1e2):
         k = kappa / math.sqrt(V)
         e = solve_pair(k, V).restitution
         differences.append(e - restitution(kappa))  # the latter at V = 1
-    largest_difference = largest(differences)
+    largest_difference = largest_magnitude(differences)
     case = Case(f"Hertz ends, kappa = {kappa:g}", "one number decides")
     yield case.row(
         "e at closing speeds 1e-4, 1, 100, largest difference",

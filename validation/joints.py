@@ -49,7 +49,7 @@ from scipy.optimize import brentq
 
 import rodimpact as ri
 
-from .table import Case, Rows, largest
+from .table import Case, Rows, largest_magnitude
 
 SUM_OF_MODES = "modes of two rods on a spring"
 FIRST = ri.Material("first", youngs_modulus=1.0, density=1.0)
@@ -230,9 +230,9 @@ def motion(method: Method) -> Rows:
     system = joined(left, right)
     solution = ri.solve(system, 10.0, method.name, **method.options)
     spring = solution.contacts[0]
-    error = largest(spring.gap(t) - exact) / largest(exact)
+    error = largest_magnitude(spring.gap(t) - exact) / largest_magnitude(exact)
     energy = solution.energy(t[::8])  # every eighth time, to save some
-    missing = largest(energy.residual) / energy.total[0]
+    missing = largest_magnitude(energy.residual) / energy.total[0]
     case = Case(f"two rods on a spring, one at speed 1, {method.name}", SUM_OF_MODES)
     yield case.row(
         "stretch, largest difference over its largest", 0.0, error, method.stretch
@@ -333,9 +333,9 @@ def mass_on_bar(method: Method) -> Rows:
     system = ri.System([mass, bar], contacts=[contact], ends=ends)
     solution = ri.solve(system, 3.0, method.name, **method.options)
     joint = solution.contacts[0]
-    error = largest(joint.gap(t) - exact) / largest(exact)
+    error = largest_magnitude(joint.gap(t) - exact) / largest_magnitude(exact)
     energy = solution.energy(t)
-    missing = largest(energy.residual) / energy.total[0]
+    missing = largest_magnitude(energy.residual) / energy.total[0]
     case = Case(f"mass on an endless bar, {method.name}", "exponential of a matrix")
     yield case.row(
         "stretch, largest difference over its largest",

@@ -39,7 +39,7 @@ RADIUS = 9.5e-3  # m
 GYRATION = RADIUS / math.sqrt(2)  # kappa, m
 BAR_LENGTH = 8.2  # m
 CELLS_PER_METRE = 400
-ROUND_VALUES = {1: 7.9, 2: 9.7, 4: 12.4, 8: 15.2}  # distance, m: rise, us
+RISE_AT_DISTANCE = {1: 7.9, 2: 9.7, 4: 12.4, 8: 15.2}  # distance, m: rounded time, us
 LOW = 0.1  # part of the step at which a rise begins
 HIGH = 0.9  # part of the step at which a rise ends
 UNIT_RADIUS = 0.1 / math.pi  # radius of the bar of length 1 with standing waves
@@ -111,13 +111,16 @@ def velocity_by_modes(x: float, t: float) -> float:
 
 
 def times_around_front(x: int) -> np.ndarray:
-    """Times at which the front of the step passes x, s."""
+    """200 times, s, from before until after the front of the step passes x, m."""
     front_width = 3e-6 * x ** (1 / 3)  # about its duration, s
     return x / C + front_width * np.linspace(-4.0, 2.6, 200)
 
 
 def solve_step() -> ri.Solution:
-    """Solve a steel bar of 19 mm whose end is set in motion at speed 1."""
+    """Solve a steel bar of 19 mm whose left end moves at speed 1 from t = 0.
+
+    The states are stored while the front passes each distance in `RISE_AT_DISTANCE`.
+    """
     bar = ri.Rod(
         BAR_LENGTH,
         diameter=2 * RADIUS,
@@ -126,7 +129,7 @@ def solve_step() -> ri.Solution:
     )
     ends = (ri.Moved(1.0), ri.Absorbing())
     system = ri.System([bar], ends=ends)
-    windows = [times_around_front(x) for x in ROUND_VALUES]
+    windows = [times_around_front(x) for x in RISE_AT_DISTANCE]
     times = np.concatenate(windows)
     return ri.solve(
         system,
@@ -154,7 +157,7 @@ def rises() -> Rows:
     """Rises of the velocity from 10 to 90 % of the step, us."""
     solution = solve_step()
     case = Case("step of velocity in a steel bar of 19 mm", "sum over modes")
-    for x, round_value in ROUND_VALUES.items():
+    for x, round_value in RISE_AT_DISTANCE.items():
         t = times_around_front(x)
         v = solution.velocity(0, float(x), t)
         on_grid = 1e6 * rise_time(t, v)

@@ -42,7 +42,7 @@ import numpy as np
 import rodimpact as ri
 
 from .lateral_inertia import METHOD, NU, RADIUS, STEEL, C, rise_time
-from .table import Case, Rows, largest
+from .table import Case, Rows, largest_magnitude
 
 MINDLIN_HERRMANN = "mindlin-herrmann"
 RAYLEIGH_LOVE = "rayleigh-love"
@@ -174,7 +174,7 @@ def energy() -> Rows:
     solution = ri.solve(system, 4e-4, METHOD, cells=200)
     t = np.linspace(0.0, 4e-4, 200)
     balance = solution.energy(t)
-    residual = largest(balance.residual) / balance.total[0]
+    residual = largest_magnitude(balance.residual) / balance.total[0]
     case = Case("row of four bodies, three radii", "balance")
     yield case.row("residual of the energy", 0.0, residual, 1e-12)
 
@@ -257,7 +257,7 @@ def front(x: int, mindlin_herrmann_bound: float, rayleigh_love_bound: float) -> 
 
     v = solve_ramp(x, t, MINDLIN_HERRMANN)
     v_by_modes = velocity_by_modes(x, t, theory_branches)
-    error = largest(v - v_by_modes)
+    error = largest_magnitude(v - v_by_modes)
     rise = 1e6 * rise_time(t, v)
     quantity = f"rise after {x} m, us, by {MINDLIN_HERRMANN}"
     yield case.row(quantity, exact_rise, rise, mindlin_herrmann_bound)

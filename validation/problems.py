@@ -17,7 +17,7 @@ from numpy.random import Generator, default_rng
 
 from rodimpact import rigid
 
-from .table import Case, Rows, largest
+from .table import Case, Rows, largest_magnitude
 
 DRAWS = 10_000  # random collisions
 BOUNCES = 400  # bounces that are followed one by one
@@ -44,7 +44,7 @@ def run() -> Rows:
 
 def relative_difference(got: rigid.Number, expected: rigid.Number) -> float:
     """Largest relative difference."""
-    return largest(np.asarray(got) / expected - 1)
+    return largest_magnitude(np.asarray(got) / expected - 1)
 
 
 def eleven_questions() -> Rows:

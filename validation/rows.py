@@ -18,7 +18,7 @@ from numpy.random import default_rng
 
 import rodimpact as ri
 
-from .table import Case, Rows, largest
+from .table import Case, Rows, largest_magnitude
 
 STEEL = ri.materials.steel
 AREA = 1e-4  # m^2
@@ -102,7 +102,7 @@ def chain() -> Rows:
     from_right = np.cumsum(gained[::-1])
     gained_to_the_right = from_right[::-1][1:]
     impulses = np.array([contact.impulse for contact in solution.contacts])
-    impulse_error = largest(impulses - gained_to_the_right) / momentum
+    impulse_error = largest_magnitude(impulses - gained_to_the_right) / momentum
 
     final = outcome.final
     case = Case("eight different rods", "conserved")

@@ -181,7 +181,7 @@ class Case(NamedTuple):
         detail: str = "",
     ) -> Row:
         """Row of the largest of some differences, of either sign, which should be 0."""
-        got = largest(differences)
+        got = largest_magnitude(differences)
         return self.row(quantity, 0.0, got, bound, source=source, detail=detail)
 
     def at_least(self, quantity: str, expected: float, got: float, bound: float) -> Row:
@@ -189,7 +189,7 @@ class Case(NamedTuple):
         return AtLeast(self.name, quantity, "at least", expected, got, bound)
 
 
-def largest(differences: Any) -> float:
+def largest_magnitude(differences: Any) -> float:
     """Largest absolute value; nan if any of the differences is nan."""
     return float(np.max(np.abs(differences)))
 

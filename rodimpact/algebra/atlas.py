@@ -145,7 +145,8 @@ def _axis(name: str, value: Any) -> PlaneAxis:
 def _name(row: SymbolicRow, axis: str, path: str) -> str:
     """Name in the row, such as l1, of the number that the path of an axis names.
 
-    InvalidModel is raised if the path names several numbers.
+    The path names at least one number of the row. InvalidModel is raised if it names
+    several.
     """
     names = []
     paths = []
@@ -328,7 +329,10 @@ class Atlas:
 
     @cached_property
     def contacts(self) -> list[tuple[int, ...]]:
-        """Number of episodes of each contact, a tuple for each region."""
+        """Number of episodes of each contact, a tuple for each region, in their order.
+
+        They are those of the region's first cell.
+        """
         episodes = []
         for region in sorted(set(self.region)):
             cell = self.cells[self.region.index(region)]

@@ -94,10 +94,14 @@ def cell_conditions(run: ExactRun, *, in_order: bool) -> list[TracedFraction]:
 def _proof_tick(simulation: Simulation, max_events: int) -> TracedFraction:
     """Tick of the proof as a traced fraction, a function of the names.
 
-    If the kernel waited for its proof, the tick is an integer, and no event has it.
-    Then the run is continued to the next event, whose tick is returned.
+    The kernel finds its proof at the tick of an event, or between two events. In the
+    latter case `simulation` is run on to the next event, and the tick of this event is
+    returned.
     """
-    proof_tick: TracedFraction = simulation.run.proved_tick + ZERO  # traced, not int
+    # Adding ZERO makes a traced fraction of an integer.
+    proof_tick: TracedFraction = simulation.run.proved_tick + ZERO
+    # The tick of an event is a function of the names already. A tick between two events
+    # is a mere integer, which does not depend on them.
     for row in simulation.log[: simulation.run.log_rows]:
         if proof_tick == row.tick:
             return proof_tick

@@ -183,11 +183,14 @@ def _kernel_values(numbers: RowNumbers) -> list[Any]:
 
 
 def _motion(row: Row, simulation: Simulation, body: int) -> BodyMotion:
-    """Motion of a body: that of its bonded group, or of the wall that holds it."""
+    """Motion of a body: that of its bonded group, or of the wall that holds it.
+
+    The velocity of a wall is the same before and after.
+    """
     group = next(group for group in groups(row.system) if body in group)
     is_held = len(anchor_velocities(row.system, group)) > 0
     if is_held:
-        # A wall is the wave that comes from outside its end of the row.
+        # A wall acts as a wave that comes from outside: the velocity of the wall.
         line_from_outside = simulation.lines[-1]
         if group[0] == 0:
             line_from_outside = simulation.lines[0]

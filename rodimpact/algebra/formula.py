@@ -110,11 +110,12 @@ def closed_form(
         symbols = [symbols]
     check_arguments(progress, max_events=max_events)
     algebra = RationalFunctions(SymbolicRow(system, symbols), progress)
-    with algebra.work():
+    with algebra.work():  # shows the progress
         around = cells_around(algebra, max_events)
         cells_by_formula: dict[Any, list[FormulaCell]] = {}
         for cell in around.cells:
             cells_by_formula.setdefault(cell.signature(), []).append(cell)
+        # The cell found first is that of the first direction, in which numbers grow.
         first_cells, *groups = cells_by_formula.values()
         _ = first_cells[0].functions  # a formula that is too long is refused here
     sides = []
@@ -134,7 +135,8 @@ def cells_around(algebra: RationalFunctions, max_events: int) -> CellsAround:
     """Cells of formulas that meet at the numbers of the system.
 
     The collision is run near these numbers in each direction that no cell contains yet,
-    until all directions are contained or there are `MAX_CELLS` cells.
+    until all directions are contained or there are `MAX_CELLS` cells. The first cell is
+    that in which all numbers grow.
 
     Raises
     ------

@@ -121,12 +121,13 @@ class PlaneCell:
     def _values_at(self, x: Floats, y: Floats) -> dict[str, Any]:
         """Values of all names at points (x, y) of the plane, arrays or numbers.
 
-        A wave speed is computed anew if its E or rho is along an axis.
+        Names on the axes have the values `x` and `y`. A wave speed is computed anew if
+        its E or rho is on an axis. All other names keep the values of the run.
         """
         values: dict[str, Any] = dict(self._fixed_values)
         values.update(zip(self._axes, (x, y), strict=True))
         for name, speed in self._wave_speeds.items():
-            E, rho = speed
+            E, rho = speed  # names, or values that have no name
             if E in self._axes or rho in self._axes:
                 values[name] = np.sqrt(_value_of(E, values) / _value_of(rho, values))
         return values

@@ -248,7 +248,8 @@ class PlaneSearch:
         """Points on edges where the formula changes, with the regions on both sides.
 
         An edge with a third cell between those of its ends is cut there, and each part
-        is looked at again.
+        is looked at again. Parts that are left after `MAX_EDGE_CUTS` rounds have no
+        border point.
         """
         pieces: list[BorderPoints] = []
         for _ in range(MAX_EDGE_CUTS):
@@ -269,7 +270,7 @@ class PlaneSearch:
             room = (right - left) / LATTICE
             cut_points = points.copy()
             cut_points[apart] = _rounded(points[apart], room[apart, None])
-            cells = np.full(len(points), UNDECIDED)
+            cells = np.full(len(points), UNDECIDED)  # stays where two cells touch
             cells[apart] = self._cells_at(cut_points[apart])
 
             # The border is where two cells touch, or where floats cannot decide.

@@ -107,8 +107,8 @@ class CirculatingWave(NamedTuple):
 def _wave_conditions(run: ExactRun, k: int) -> list[TracedFraction]:
     """Conditions of waves that circulate beside node k, as numbers that are positive.
 
-    On each side the waves leave the far end in the order of the run. No wave on the
-    right is slower than one on the left, for any pair of them.
+    On each side the waves leave the far end in the order of the run. The particle
+    velocity of each wave on the right exceeds that of each wave on the left.
     """
     left_waves = _circulating_waves(run, k, is_right=False)
     right_waves = _circulating_waves(run, k, is_right=True)

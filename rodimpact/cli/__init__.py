@@ -99,8 +99,9 @@ def _replace_closed_streams() -> None:
 def _complain_of(error: Exception) -> int:
     """Print an error of a command; return its exit status.
 
-    Errors that are neither a mistake of the user nor one of the machine are printed
-    with a traceback, as faults of rodimpact.
+    The status is MISTAKE for a file that exists, for numbers that overflow, and for
+    InvalidModel. It is FAULT for other errors of files, for too little memory, and for
+    all other errors. The latter are printed with a traceback, as faults of rodimpact.
     """
     if isinstance(error, FileExistsError):
         return complain(str(error), MISTAKE)
@@ -125,7 +126,7 @@ def _run_command(argv: list[str]) -> CommandResult:
     """Result of a command; warnings are printed as messages.
 
     Argparse itself prints help and mistakes of the call, and exits: then the result has
-    no text, and the status of argparse.
+    no text. Its status is that of argparse, or DONE if argparse gives no number.
     """
     try:
         with warnings.catch_warnings():
@@ -155,9 +156,10 @@ def _check_source_date() -> None:
 
 
 def _parse_and_run(argv: list[str]) -> CommandResult:
-    """Find the command, parse its arguments and run it.
+    """Find the command, parse its arguments and run it; return its result.
 
-    An unknown command, help and mistakes in the arguments end in SystemExit.
+    An unknown command, help and mistakes in the arguments end in SystemExit. Matplotlib
+    is told to open no window. Errors of the command are raised.
     """
     parser = _program_parser()
     call = parser.parse_args(argv)
@@ -239,7 +241,7 @@ class _Parser(argparse.ArgumentParser):
             for action in self._actions:
                 if f"--{ending}" in action.option_strings and action.nargs == 0:
                     remedy = f"--{ending} prints; end the command with > {word}"
-            if not any(action.nargs != 0 for action in self._actions):
+            if all(action.nargs == 0 for action in self._actions):
                 remedy = f"leave it out: {self.prog} takes options only"
             return f"does not take {word!r}; {remedy}"
         options: list[str] = []

@@ -13,7 +13,7 @@ from ..model.frozen import InvalidModel
 from ..results.regions import nothing_to_draw
 from ..running.solving import solve
 from ..units import format_si
-from .arguments import Arguments, add_number, add_run_options, status_of
+from .arguments import COUNT, Arguments, add_number, add_run_options, status_of
 from .exit_status import DONE, CommandResult
 from .messages import print_progress
 
@@ -43,7 +43,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="quantity shown in colour; default velocity",
     )
     add_number(
-        parser, "--frames", "", "number of frames, 2 to 10000; default 120", default=120
+        parser,
+        "--frames",
+        COUNT,
+        "number of frames, 2 to 10000; default 120",
+        default=120,
     )
     add_number(
         parser, "--fps", "dimensionless", "frames per second; default 25", default=25.0
@@ -65,6 +69,8 @@ def run(args: Arguments) -> CommandResult:
     """Check all arguments, solve, write the film, and describe it in a line.
 
     If the run stopped early, a second line says why, and the status is INCOMPLETE.
+    InvalidModel is raised for mistakes in the arguments, before the case is solved, and
+    for a run that lasts no time.
     """
     from .. import plot
     from ..plot.films import check_film

@@ -27,16 +27,18 @@ from .messages import (
 )
 
 T = TypeVar("T")
+COUNT = ""
+"""Dimension of an option that is a positive whole number."""
 RUN_NUMBERS = {
     "until": ("time", "end of the run; default: the end in the case"),
     "dt": ("time", "time step of finite-difference"),
     "rtol": ("dimensionless", "accepted relative error of the outcome"),
-    "max_events": ("", "largest number of events; default: the number in the case"),
+    "max_events": (COUNT, "largest number of events; default: the number in the case"),
     "cells": (
-        "",
+        COUNT,
         "number of cells of finite-difference in the rod with the longest transit time",
     ),
-    "snapshots": ("", "number of states that finite-difference stores"),
+    "snapshots": (COUNT, "number of states that finite-difference stores"),
 }
 """Numbers that say how to run: their dimension, and their help."""
 CASE_KEYS = {"gauges": "gauges", "output": "output"}
@@ -81,6 +83,8 @@ class Arguments(argparse.Namespace):
         **keywords: object,
     ) -> T | None:
         """Result of a function; None, and its mistakes added, if it refuses the values.
+
+        Of two mistakes of one argument only the first is kept.
 
         Parameters
         ----------
@@ -143,10 +147,10 @@ class Arguments(argparse.Namespace):
         option : str
         text : str
         dimension : str
-            Dimension of the number; "" for a positive whole number.
+            Dimension of the number, such as "time", or `COUNT`.
         """
         try:
-            if dimension == "":
+            if dimension == COUNT:
                 return _whole(text)
             return parse(text, dimension)
         except ValueError as error:
@@ -311,9 +315,13 @@ class NumberAction(argparse.Action):
 def add_number(
     parser: Any, option: str, dimension: str, help_text: str, **settings: Any
 ) -> None:
-    """Add an option that is a number of a dimension, to a parser or a group of it."""
+    """Add an option that is a number of a dimension, to a parser or a group of it.
+
+    `dimension` is one such as "time", which help shows as TIME, or "dimensionless" (X),
+    or `COUNT` (N). `settings` are those of `add_argument`.
+    """
     metavar = dimension.upper()
-    if dimension == "":
+    if dimension == COUNT:
         metavar = "N"
     elif dimension == "dimensionless":
         metavar = "X"

@@ -25,7 +25,7 @@ from .. import bearing_graph
 from ..piles.bearing_report import bearing_json, bearing_table
 from ..piles.resting import CELLS
 from ..storage.grids import grid_values
-from .arguments import Arguments, add_number, figure_writer
+from .arguments import COUNT, Arguments, add_number, figure_writer
 from .exit_status import DONE, INCOMPLETE, CommandResult
 from .messages import as_options
 
@@ -49,11 +49,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "fraction of the resistance that acts along the shaft; default: as in the case",
     )
     add_number(
-        parser, "--cells", "", f"number of cells of the longest rod; default {CELLS}"
+        parser, "--cells", COUNT, f"number of cells of the longest rod; default {CELLS}"
     )
     add_number(parser, "--until", "time", "end of each blow; default until it is over")
     add_number(
-        parser, "--workers", "", "number of threads; default: one for each processor"
+        parser, "--workers", COUNT, "number of threads; default: one for each processor"
     )
     form = parser.add_mutually_exclusive_group()
     form.add_argument(

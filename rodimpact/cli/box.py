@@ -101,7 +101,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: Arguments) -> CommandResult:
-    """Solve the collisions, describe and draw them, and write the page."""
+    """Solve the collisions, describe and draw them, and write the page.
+
+    The result is the text of the page without figures, and the folder of the figures.
+    InvalidModel is raised for a wrong ratio, and for files that exist without --force.
+    """
     from .. import plot
 
     if not 0 < args.ratio <= 1:
@@ -212,7 +216,7 @@ def introduction(material: Material) -> str:
 
 
 def law_text(restitutions: list[float]) -> str:
-    """Comparison of e with the law e = l1/l2."""
+    """Text with the largest difference of e from the law e = l1/l2, over `RATIOS`."""
     differences = []
     for e, ratio in zip(restitutions, RATIOS, strict=True):
         differences.append(abs(e - ratio))
@@ -269,7 +273,7 @@ def _result_rows(replay: Replay) -> Iterator[list[str]]:
 
 
 def _remark(replay: Replay) -> str:
-    """Remark on the round-trip times, and on the definition of vibration energy.
+    """Remark on the round-trip times 2 l/c, and on the definition of vibration energy.
 
     If the gap opens later than the force ends, the remark also explains that.
     """

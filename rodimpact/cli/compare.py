@@ -99,7 +99,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: Arguments) -> CommandResult:
-    """Check all arguments, solve, compare, write the figure; table or JSON."""
+    """Check all arguments, solve, compare, write the figure; table or JSON.
+
+    InvalidModel is raised for all mistakes in the arguments, before the case is solved.
+    The status is that of the figure, or INCOMPLETE if the run stopped early.
+    """
     case = args.read_case()
     positions = gauge_options.gauge_positions(args, case)
     options = args.run_options(case)
@@ -171,7 +175,7 @@ def _compare(
 
 
 def _prediction(args: Arguments, solution: Solution, position: GaugePosition) -> Signal:
-    """Strain at a gauge, or at the distance `carried` farther along its bar."""
+    """Strain at a gauge, or at the distance --carried farther along its bar."""
     signal = solution.gauge(position.body, position.x).signal()
     if args.carried is None:
         return signal
@@ -212,7 +216,10 @@ def _pulse(signal: Signal, start: float, end: float) -> Pulse | None:
 
 
 def _tables(comparisons: dict[str, Comparison]) -> str:
-    """Two tables for each channel: of the pulses, and of misfit, shift and factor."""
+    """Two tables for each channel: of the pulses, and of misfit, shift and factor.
+
+    An empty line separates the channels.
+    """
     blocks = []
     for name, comparison in comparisons.items():
         pulses = align(list(_pulse_rows(name, comparison)))

@@ -31,7 +31,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> CommandResult:
     """Table or JSON of the versions and the cache; with --warm, compile everything.
 
-    The status is FAULT if --warm is given and there is no compiler.
+    With --warm the result also has the time that this took. Without a compiler the
+    reason is given in place of the cache; with --warm the status then is FAULT.
     """
     versions = _versions()
     cache = None

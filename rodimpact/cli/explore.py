@@ -32,13 +32,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> CommandResult:
-    """Write the page and open it, unless --no-browser is given; print its path."""
+    """Write the page to a temporary file, and print the path of this file.
+
+    The page shows the case of the file `case`, or that of the default preset if no file
+    is given. A browser opens it, unless --no-browser is given.
+    """
     if args.case is None:
         case = _default_case()
     else:
         case = read_case(args.case)
     page = explore(case)
-    return CommandResult(page.open(not args.no_browser), DONE)
+    path = page.open(browser=not args.no_browser)
+    return CommandResult(path, DONE)
 
 
 def _default_case() -> Case:

@@ -153,7 +153,9 @@ def _read_files(args: Arguments) -> dict[str, Signal]:
 def _units(texts: list[str]) -> Any:
     """Unit of all channels, or units by channel; None if none is given.
 
-    A text is a unit, or a channel and its unit, such as "gauge 1=V".
+    A text is a unit, such as "V", or a channel and its unit, such as "gauge 1=V". The
+    last of several texts on the same channels counts. If both kinds of text are given,
+    the key "" has the unit without a channel, and `read_signals` refuses this key.
     """
     units = {}  # by channel; "" is the channel of a text without "="
     for text in texts:
@@ -161,7 +163,8 @@ def _units(texts: list[str]) -> Any:
         units[channel] = unit
     if not units:
         return None
-    if units.keys() == {""}:
+    only_for_all = units.keys() == {""}
+    if only_for_all:
         return units[""]
     return units
 

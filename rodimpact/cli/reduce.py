@@ -124,7 +124,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: Arguments) -> CommandResult:
     """Check all arguments, reduce, write the files; table or JSON.
 
-    With --strict, doubts make the exit status INCOMPLETE.
+    InvalidModel is raised for all mistakes in the arguments. With --strict, doubts make
+    the exit status INCOMPLETE, unless a file could not be written.
     """
     case = args.read_case()
     # Whether the call gives pulses that were cut out of their records.
@@ -184,7 +185,7 @@ def _check_direct_impact(args: Arguments, bodies: set[int], is_cut: bool) -> Non
 
 
 def _positions_of_pulses(args: Arguments, case: Case) -> GaugePositions:
-    """Positions of the three cut pulses, by their channels.
+    """Positions of the gauges of the three cut pulses, by their channels.
 
     Problems are added: a pulse that is missing, --gauge as well, pulses on wrong
     bodies, and channels that are not different.

@@ -62,7 +62,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: Arguments) -> CommandResult:
-    """Collide the bodies; two tables, of the bodies and of the collision, or JSON."""
+    """Collide the bodies; two tables, of the bodies and of the collision, or JSON.
+
+    InvalidModel is raised for numbers that cannot be read or are not possible.
+    """
     m1 = _mass(args, "--m1", args.m1)
     m2 = _mass(args, "--m2", args.m2)
     raise_if_problems(args.problems)

@@ -55,8 +55,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: Arguments) -> CommandResult:
     """Check all arguments, solve, write the files; table or JSON.
 
-    A saved case that is solved as before is compared with its stored outcome. The
-    status is INCOMPLETE if the run stopped early, else that of writing the files.
+    A saved case that is solved with its own options is compared with its stored
+    outcome. The status is INCOMPLETE if the run stopped early, else that of writing the
+    files. InvalidModel is raised for mistakes in the arguments, before the case is
+    solved.
     """
     case = args.read_case()
     options = args.run_options(case)
@@ -74,7 +76,7 @@ def run(args: Arguments) -> CommandResult:
 
     with args.naming_mistakes():
         solution = solve(case.system, **options)
-    if options == case.solve:
+    if options == case.solve:  # no option of the call replaces one of the case
         _compare_with_saved(case, solution)
     writing_status = _write(args, case, solution, positions)
     status = status_of(solution)
@@ -126,7 +128,10 @@ def _take_outputs_of_case(args: Arguments, case: Case) -> None:
 
 
 def _compare_with_saved(case: Case, solution: Solution) -> None:
-    """Print a message if the outcome differs from that stored in the case file."""
+    """Print a message if the outcome differs from that stored in the case file.
+
+    A case without a stored outcome is not compared.
+    """
     if case.result is None:
         return
     sentence = difference(case.result, solution)

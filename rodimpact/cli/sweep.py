@@ -29,7 +29,7 @@ from ..running.readings import RequestedReadings
 from ..running.sweep_report import sweep_json, sweep_table
 from ..running.sweep_result import check_family_name
 from ..units import shown
-from .arguments import Arguments, add_number, add_run_options, figure_writer
+from .arguments import COUNT, Arguments, add_number, add_run_options, figure_writer
 from .exit_status import INCOMPLETE, CommandResult
 
 EXAMPLE = "bodies.0.length=0.05:1:200"
@@ -49,7 +49,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "given several times",
     )
     add_number(
-        parser, "--workers", "", "number of threads; default: one for each processor"
+        parser, "--workers", COUNT, "number of threads; default: one for each processor"
     )
     parser.add_argument(
         "--checkpoint",
@@ -91,7 +91,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: Arguments) -> CommandResult:
     """Check all arguments, solve the family, write the files; table, CSV or JSON.
 
-    The status is INCOMPLETE if a collision stopped early.
+    The status is INCOMPLETE if a collision stopped early, else that of writing the
+    files. InvalidModel is raised for mistakes in the arguments, before any run.
     """
     case = args.read_case(_grids(args))
     if case is not None:

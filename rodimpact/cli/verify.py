@@ -59,7 +59,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> CommandResult:
-    """Table or JSON of the differences; the status is UNVERIFIED if a check failed."""
+    """Run all `checks`; table or JSON of the differences from closed forms.
+
+    The status is UNVERIFIED if a check failed.
+    """
     results = checks()
     failed = sum(not check.passed for check in results)
     status = DONE

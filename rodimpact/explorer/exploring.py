@@ -130,9 +130,10 @@ class Page:
         return str(path)
 
     def _repr_mimebundle_(self, **options: Any) -> Any:
-        """What a notebook shows, by MIME type: a widget, or the frame alone.
+        """What a notebook shows, by MIME type: a widget, or the frame of `_repr_html_`.
 
-        The widget needs anywidget. It is made once, and also gives back its case.
+        The widget is made at the first call and kept; from it the system of the sliders
+        is read. Without the package anywidget the result is the frame, and a text.
         """
         if self._widget is None:
             try:
@@ -158,6 +159,7 @@ def explore(case: System | Case) -> Page:
     The page shows sliders, the space-time diagram, and the rods in motion. While a
     slider moves, the page solves uniform and stepped rods and rigid masses, in rigid,
     bonded or compliant contact. `rodimpact.plot.animation` shows all other collisions.
+    A case without gauges gets one in the middle of its last rod.
 
     Parameters
     ----------

@@ -67,7 +67,8 @@ def new_run(layout: Any) -> PageRun:
 def run_to_end(request: Any, run_past_proof: bool, run: PageRun) -> PageRun:
     """Run a collision to its given end, or to its proof of finality; return `run`.
 
-    The records of `run` are changed. Without a given end, the clock first counts
+    The records of `run` are changed. Without a given end, that is if `until` of the
+    request is negative, the clock first counts
     `FIRST_HORIZON_SHARE` of its longest horizon. A run that outlasts its clock begins
     again on one that counts four times as far, up to the whole horizon.
 
@@ -112,7 +113,8 @@ def motion_of_fronts(run: PageRun) -> Any:
     """Motion of a run, in the form of the module `motion`, with constant waves.
 
     Its end ``now`` is the end of the run, halved until at most `MAX_REGIONS` regions
-    are to be drawn. The entry ``rods`` has the same waves in the form of `polygons_of`.
+    are to be drawn. The lists of masses and springs are empty. The entry ``rods`` has
+    the same waves in the form of `polygons_of`.
     """
     record = run.record
     row = run.layout.row
@@ -245,8 +247,9 @@ def add_change(curves: Any, node: Any, now: int, tick_duration: float) -> None:
     """Add the force and the gap of a contact at the tick `now` to its curves.
 
     The force is a step curve: two points are added, with the force before and after
-    `now`; to an empty curve only the latter. The gap changes evenly after the node was
-    solved; a bond has no curve of the gap.
+    `now`; to an empty curve only the latter. To the curve of the gap one point is
+    added: the gap at `solved_tick`, which changes at `gap_rate` until `now`. A bond has
+    no curve of the gap.
     """
     t = now * tick_duration
     force = curves["force"]
@@ -257,10 +260,10 @@ def add_change(curves: Any, node: Any, now: int, tick_duration: float) -> None:
     force["y"].append(node.force)
     gap = curves["gap"]
     if gap is not None:
-        # Gaps of nodes are in m/s times ticks. Round-off may make them negative.
-        width = max(node.gap + node.gap_rate * (now - node.solved_tick), 0.0)
+        gap_now = node.gap + node.gap_rate * (now - node.solved_tick)  # m/s times ticks
+        gap_now = max(gap_now, 0.0)  # round-off may make it negative
         gap["t"].append(t)
-        gap["y"].append(width * tick_duration)
+        gap["y"].append(gap_now * tick_duration)
 
 
 # Outcome ------------------------------------------------------------------------------
@@ -399,7 +402,8 @@ def closed_form_of(system: Any, before: list[float]) -> Any:
     """``restitution`` e of a pair in closed form, and its ``source``, else None.
 
     A closed form exists for two uniform rods, or a rod and a wall, that approach each
-    other, with a contact that can open, free ends, one velocity each and no strain.
+    other, with a contact that can open, free ends, one velocity each and no strain. On
+    a wall e is 1.
 
     Parameters
     ----------

@@ -504,10 +504,10 @@ class _Translator(ast.NodeVisitor):
         """
         value = self.known(node)
         if value is not None:
-            return self.literal(node.attr, value)
+            return self.literal(node.attr, value)  # a table gets the name `node.attr`
         if node.attr in ARRAY_ATTRIBUTES:
             raise KeyError(f"the attribute {node.attr}")
-        return self.generic_visit(node)
+        return self.generic_visit(node)  # a field: the template "Attribute"
 
     def visit_Subscript(self, node: ast.Subscript) -> str:
         """Text of x[i], x.slice(i,j) for x[i:j], or x.at(-i) for x[-i]."""

@@ -280,21 +280,24 @@ def main_impulse_time(force: Any) -> float:
 def returning_wave(facts: Any, contact: Any, after: float) -> str:
     """Subject and verb on the wave that arrives `after` seconds after the first touch.
 
-    It is the wave of the body beside the contact that then has made the fewest whole
-    `round_trips`: "Rod 1's wave returns after 80 µs". If both have made one, it is
-    "Each rod's wave returns ..."; if neither has, "After 80 µs a wave arrives". After
-    several round trips their number is added, between commas. There is no full stop.
+    A wave of a body beside the contact arrives after a whole number of `round_trips`.
+    If waves of both bodies arrive just then, the one with fewer round trips is named:
+    "Rod 1's wave returns after 80 µs". If both have made one, the text is "Each rod's
+    wave returns ..."; if no wave of these bodies arrives just then, it is "After 80 µs
+    a wave arrives". After several round trips their number is added, between commas.
+    There is no full stop.
     """
     time = format_quantity(after, "s", 4)
     name = ""
     fewest_trips = 0
     for body in bodies_of(facts, contact):
         trips = round_trips(body, after)
-        if trips == 0:
+        if trips == 0:  # no wave of this body arrives just then
             continue
         if trips == 1 and fewest_trips == 1:
             return f"Each rod's wave returns after {time}"
-        if fewest_trips == 0 or trips < fewest_trips:
+        is_first = fewest_trips == 0
+        if is_first or trips < fewest_trips:
             fewest_trips = trips
             name = capital(body["name"])
     if fewest_trips == 0:
@@ -408,7 +411,8 @@ def ratio_named(facts: Any) -> str:
     e equals the shorter transit time over the longer one for two uniform rods of one
     impedance, in rigid contact and without vibration before. The letter is T, or l for
     lengths if the wave speeds are equal too. "" is returned for any other row, and if e
-    does not have this value.
+    does not have this value. If the row has two bodies, their contact must be one that
+    can open.
     """
     bodies = facts["bodies"]
     if len(bodies) != 2 or facts["contacts"][0]["compliant"]:
@@ -419,12 +423,12 @@ def ratio_named(facts: Any) -> str:
             return ""
     left = bodies[0]["segments"][0]
     right = bodies[1]["segments"][0]
-    short = "₁"
-    long = "₂"
+    index_of_short = "₁"
+    index_of_long = "₂"
     ratio = left["transit_time"] / right["transit_time"]
     if ratio > 1:
-        short = "₂"
-        long = "₁"
+        index_of_short = "₂"
+        index_of_long = "₁"
         ratio = 1 / ratio
     if not is_same(left["impedance"], right["impedance"]):
         return ""
@@ -433,7 +437,7 @@ def ratio_named(facts: Any) -> str:
     letter = "T"
     if is_same(left["wave_speed"], right["wave_speed"]):  # then l1/l2 = T1/T2
         letter = "l"
-    return f" = {letter}{short}/{letter}{long}"
+    return f" = {letter}{index_of_short}/{letter}{index_of_long}"
 
 
 def is_same(a: float, b: float) -> bool:

@@ -333,10 +333,10 @@ def _starting_points(objective: Objective, count: int) -> list[Any]:
     """At most `count` points where searches begin, each the best of a part of a sweep.
 
     Part k has the points k, k + count, k + 2 count, ... of the coarse sweep, so that
-    each part fills all bounds.
+    each part fills all bounds. Each point of the sweep has the best shifts and gains.
     """
-    shares = coarse_shares(objective.initial_shares)
-    starts = []
+    shares = coarse_shares(objective.initial_shares)  # 0 to 1 between the bounds
+    starts = []  # with the best shifts and gains for these shares
     for tried, signals in zip(shares, objective.signals(shares), strict=True):
         starts.append(objective.best_start(tried, signals))
     points = []

@@ -199,6 +199,8 @@ class Measured(FrozenDataclass):
         check_kind("strain", strain, Signal, "solution.gauge(1, 0.5).signal(1e-7)")
         rod = self._rod(system)
         if self.distance and self.passages == "first":
+            # `propagated` delays and widens the pulse, perhaps beyond the ends of the
+            # signal: its first and last values are repeated before and after it.
             margin = self._propagation_time(system)
             extended = strain.extended(margin, margin)
             strain = extended.propagated(self.distance, rod, radius=self.radius)

@@ -286,12 +286,15 @@ class Objective:
         return shifts
 
     def _set_best_gains(self, curves: Sequence[Any], point: Floats) -> None:
-        """Set the best gains within their bounds for the shifts of a point, in place.
+        """Set the gains in `point` to the best within their bounds, in place.
+
+        The shifts, blurs and shares in `point` stay as they are.
 
         Each gain is the least-squares solution sum(m r)/sum(m^2) of gain m = r, with
         predictions m at gain 1 and samples r of all records that share this gain. It is
         1 where all m are 0.
         """
+        # By record: index of its gain in `point`; equal where records share a gain
         indices = self._index[GAIN]
         point[indices] = 1.0
         model = self._predictions(curves, point)

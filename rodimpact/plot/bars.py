@@ -378,8 +378,8 @@ class Bars:
         """
         y = self.row_heights - THICKNESS / 2
         for name, gauge in gauges.items():
-            X = self.layout.point(gauge.body, gauge.x, self.times)
-            x = X * self.x_scale.factor
+            positions = self.layout.point(gauge.body, gauge.x, self.times)  # [row], m
+            x = positions * self.x_scale.factor  # in the unit of the axis
             self.ax.plot(
                 x,
                 y,

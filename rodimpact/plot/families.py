@@ -492,22 +492,25 @@ class _MapColours(NamedTuple):
 def _map_colours(shown: ShownQuantity) -> _MapColours:
     """Colours and limits of a map.
 
-    Counts have one colour each. Values of both signs have limits symmetric about 0.
-    Values of one sign have limits from the least to the largest; if all are equal, one
-    of the limits is 0.
+    Counts and codes have one colour each; codes that do not occur have one, too. Values
+    of both signs have limits symmetric about 0. Values of one sign have limits from the
+    least to the largest; if all are equal, one of the limits is 0. If all values are 0,
+    the limits are 0 and 1.
     """
     low = shown.low
     high = shown.high
     if shown.words:  # all codes have a colour, also those that do not occur
         low = 0.0
         high = len(shown.words) - 1.0
-    if shown.is_count:
+    if shown.is_count:  # also codes
         # From half a count below the least to half a count above the largest.
         borders = np.arange(low - 0.5, high + 1.0)
         count = borders.size - 1
         return _MapColours(RISING.resampled(count), colors.BoundaryNorm(borders, count))
-    negligible = NEGLIGIBLE_RTOL * max(-low, high)
-    if low < -negligible and high > negligible:
+    largest_absolute = max(-low, high)
+    negligible = NEGLIGIBLE_RTOL * largest_absolute
+    has_both_signs = low < -negligible and high > negligible
+    if has_both_signs:
         return _MapColours(colours().signed, centred((low, high)))
     if high - low <= negligible:  # one value: its colour shows how far it is from 0
         low = min(low, 0.0)

@@ -76,13 +76,13 @@ def gauge(
     >>> print(f"{window.get_width():.2f} {2e6 * bars[0].transit_time:.2f}")
     79.25 79.25
     """
+    check_kind("record", record, Gauge, "solution.gauge(1, 0.5)")
     records = [record]
     if transmitted is not None:
+        check_kind("transmitted", transmitted, Gauge, "solution.gauge(1, 0.5)")
         records.append(transmitted)
-    for each in records:
-        check_kind("record", each, Gauge, "solution.gauge(1, 0.5)")
     ax = axes_or_new(ax, width=5.6, height=3.0)
-    time = time_scale(record.end)
+    time = time_scale(record.end)  # ValueError if the duration is 0
 
     # What is measured.
     pulses = _pulses(records)
@@ -145,6 +145,8 @@ def gauge(
         positions.append(f"{each.name} at {x_scale(each.x).write(each.x)}")
     named = (strain, rightward, leftward, beyond, *windows.values())
     title = f"gauge on {joined_by_and(positions)}"
+    # The legend is drawn twice: now so that the layout leaves room for it, and in
+    # `write_words` once the width is final.
     legend_above(ax, named, title=title)
     picture = Picture(
         ax=ax,

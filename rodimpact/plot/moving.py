@@ -369,7 +369,8 @@ class Animation:
         problems: Problems = []
         check_progress(problems, progress)
         raise_if_problems(problems)
-        write = films.WRITERS[films.check_film(path)]
+        kind = films.check_film(path)  # "gif" or "mp4"
+        write = films.WRITERS[kind]
         with (
             writing.open_for_writing(path, force=force) as file,
             Progress(progress, "film", "frames") as report,

@@ -230,40 +230,45 @@ class Plane:
         self.x_axis.set_ticks(list(numbers), labels=labels)
 
     def _fit_names(self, rods: list[RodOnAxis], per_point: float) -> None:
-        """Write the names of the rods, and symbols of their lengths, along the axis.
+        """Write labels of the rods, and symbols of their lengths, along the axis.
 
-        Both are the label of a minor tick in the middle of the rod. Its first line is
-        the symbol of the length, between the numbers at both ends of the rod; it is ""
-        if it has no room, and where bodies move. Its second line is the name of the
-        rod. If the axis is upright, only the name is written.
+        Both are the text of a minor tick in the middle of the rod. Its second line is
+        the label of the rod from `rod_labels`: its name, or the symbol of its length,
+        or "". Its first line is the symbol of the length, between the numbers at both
+        ends of the rod. The first line is empty if the symbol has no room or is the
+        label already, and where bodies move. If the axis is upright, only the label is
+        written.
         """
         system = self.layout.solution.system
         size = rcParams["xtick.labelsize"]
         middles = [(rod.left + rod.right) / 2 for rod in rods]
         centres = [middle / per_point for middle in middles]
-        names = rod_labels(system, [rod.body for rod in rods], centres, size)
+        bodies = [rod.body for rod in rods]
+        labels_of_rods = rod_labels(system, bodies, centres, size)
         # matplotlib leaves out minor ticks at a major one, such as a middle at 0.2
         self.x_axis.remove_overlapping_locs = False
-        if self.across:
+        if self.across:  # time runs to the right: the axis of x is upright
             self.x_axis.set_ticks(
-                middles, labels=names, minor=True, rotation=90, va="center"
+                middles, labels=labels_of_rods, minor=True, rotation=90, va="center"
             )
             self.x_axis.set_tick_params(which="minor", length=0, pad=NUMBER_COLUMN)
             return
-        labels = []
-        for rod, name in zip(rods, names, strict=True):
+        texts = []
+        for rod, label in zip(rods, labels_of_rods, strict=True):
             symbol = length_name(system, rod.body)
             number = number_text(rod.right_number, largest=rod.right_number)
             length = (rod.right - rod.left) / per_point  # of the rod, points
-            # The numbers at both ends take half of their widths from the rod.
+            # The numbers at both ends take half of their widths from the rod. The left
+            # one is hardly wider than the right one, which is the larger number.
             free = length - text_width(number, size)
             needed = text_width(symbol, size) + NAME_GAP
-            is_named_by_symbol = symbol == name
+            bodies_move = self.layout.magnification != 0
+            is_label = symbol == label
             has_room = free >= needed
-            if self.layout.magnification or is_named_by_symbol or not has_room:
+            if bodies_move or is_label or not has_room:
                 symbol = ""
-            labels.append(f"{symbol}\n{name}")
-        self.x_axis.set_ticks(middles, labels=labels, minor=True)
+            texts.append(f"{symbol}\n{label}")
+        self.x_axis.set_ticks(middles, labels=texts, minor=True)
         self.x_axis.set_tick_params(which="minor", length=0)
 
 

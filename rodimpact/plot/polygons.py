@@ -323,7 +323,8 @@ class Polygons:
         """Whether all `points` are inside a convex region or hardly outside of it.
 
         `corners` are those of all regions, and both are on paper, points. A point is
-        inside if its inward distance from each side is -`ON_FRONT` at least.
+        inside if its inward distance from each side is -`ON_FRONT` at least. The region
+        must have an area.
         """
         first = self.regions.start[region]
         end = self.regions.start[region + 1]
