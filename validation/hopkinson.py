@@ -105,7 +105,8 @@ def bars_and_specimen() -> Rows:
     pulse = first_pulse(solution.gauge(1, INCIDENT_LENGTH / 2))
     t = np.linspace(0.0, END, 2001)
     force_error = spring.force(t) - specimen_force(t)
-    striker_velocity = solution.mean_velocity(0, INCIDENT_LENGTH)
+    after_contact = INCIDENT_LENGTH  # a time: the wave speed is 1
+    striker_velocity = solution.mean_velocity(0, after_contact)
     energy = solution.energy(END)
     kinetic_before = STRIKER_LENGTH / 2  # m v^2/2, the mass is the length
     transmitted_energy = energy.radiated / kinetic_before
@@ -202,8 +203,11 @@ class Delays(NamedTuple):
 
 
 def gauge_delays(material: ri.Material, striker_length: float, gauge: float) -> Delays:
-    """Length of a pulse and delay of its reflection, `gauge` m from the bar's end."""
-    bar_length = 4 * gauge
+    """Duration of a pulse, and delay of its reflection behind it, both in us.
+
+    The gauge is `gauge` m from the free end of the bar, at which the pulse turns back.
+    """
+    bar_length = 4 * gauge  # so long that both pulses pass the gauge one by one
     striker = ri.Rod(striker_length, area=1e-4, material=material, velocity=10.0)
     bar = ri.Rod(bar_length, area=1e-4, material=material)
     system = ri.System([striker, bar])

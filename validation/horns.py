@@ -87,7 +87,7 @@ def driven_cone() -> Rows:
 
     solution = solve_driven_cone(ri.Moved(1.0), t)
     moved = solution.velocity(0, x, t)
-    behind = APEX / (APEX + x)
+    behind = APEX / (APEX + x)  # the velocity falls as 1/s, s from the apex of the cone
     exact = np.where(x < t, behind, 0.0)
     error = np.abs(moved - exact)
     mean_error = error.mean()
@@ -143,6 +143,7 @@ def front(name: str, area: Area) -> Rows:
     v = solution.velocity(0, 1.0, t)
     end = np.array(1.0)
     end_area = float(area(end))
+    # A free end doubles the velocity of the front.
     growth = 2 * ri.theory.horn_amplification(1.0, end_area)
     half = growth / 2
     arrival = t[np.argmax(v > half)]
@@ -186,7 +187,8 @@ def fixed_mode(n: int) -> Rows:
     k = n * math.pi
     shape = np.sin(k * SAMPLES)
     ends = (ri.Fixed(), ri.Fixed())
-    mode = Mode(n, "fixed", ends, shape, x=0.5 / n)
+    first_belly = 0.5 / n
+    mode = Mode(n, "fixed", ends, shape, x=first_belly)
     yield from frequency_of(mode)
 
 

@@ -77,7 +77,7 @@ def map_of_pairs() -> Rows:
     )
     restitution_error = result.restitution - exact.restitution
     impulse_error = result.impulse / exact.impulse - 1
-    kinetic_energy = first.mass / 2
+    kinetic_energy = first.mass / 2  # before, at 1 m/s
     vibration_error = (result.vibration - exact.vibration_energy) / kinetic_energy
     pairs = result.restitution.size
     name = f"steel rods, lengths and areas 0.1 to 10, {pairs} pairs"
@@ -153,14 +153,20 @@ class Chain(NamedTuple):
 
 
 def chain(n: int) -> Chain:
-    """Solve the collision of a chain of n equal rods."""
+    """Solve the collision of a chain of n equal rods; the first comes at 1 m/s.
+
+    The result also has e of the first rod and the centre of mass of all others, and e
+    of the first and the last rod.
+    """
     rods = [ri.Rod(LINK, area=AREA, material=STEEL, velocity=1.0)]
     for _ in range(n - 1):
         rods.append(ri.Rod(LINK, area=AREA, material=STEEL))
     outcome = ri.solve(ri.System(rods)).outcome
     first, *struck = outcome.velocities_after
     mean = sum(struck) / (n - 1)
-    return Chain(outcome, mean - first, struck[-1] - first)
+    restitution_of_all = mean - first  # at the closing speed 1
+    restitution_of_last = struck[-1] - first
+    return Chain(outcome, restitution_of_all, restitution_of_last)
 
 
 def bonded_chain_restitution(n: int) -> float:

@@ -83,7 +83,8 @@ class FreeImpact(NamedTuple):
 def exact_on_free_rod(mass_ratio: float) -> FreeImpact:
     """Closed form of the impact of a mass M = mass_ratio m on a free rod.
 
-    With mu = m/M: e = (1 - exp(-2 mu))/mu - exp(-2 mu), J = M V (1 - exp(-2 mu)).
+    With mu = m/M: e = (1 - exp(-2 mu))/mu - exp(-2 mu), J = M V (1 - exp(-2 mu)). The
+    result is e and J/(m V), both rounded to 12 decimals.
     """
     mu = 1 / mass_ratio
     transferred = -math.expm1(-2 * mu)
@@ -121,7 +122,8 @@ def fixed_rod(mass_ratio: float) -> ri.System:
 def on_fixed_rod(mass_ratio: float) -> Rows:
     """First contact of a mass and a fixed rod, and velocity after the last contact.
 
-    Of the first contact these are time, peak stresses, and velocity after it.
+    Of the first contact these are time, peak stresses, and velocity after it. The
+    velocity after the last contact is nan if the collision is not final.
     """
     name = f"mass on rod with fixed end, M/m = {mass_ratio:g}"
     case = Case(name, "delay equation, step by step")

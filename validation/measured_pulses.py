@@ -193,7 +193,10 @@ def record(shot: Shot) -> list[ri.Signal]:
 
 
 def section_of(shot: Shot, theory: str | None) -> dict[str, Any]:
-    """Arguments of a rod for a bar's section: a diameter, or area and polar moment."""
+    """Arguments of a rod for a bar's section: a diameter, or area and polar moment.
+
+    A square bar has the polar moment None unless a theory of lateral inertia is given.
+    """
     if shot.side is None:
         return {"diameter": 2 * shot.bar.radius}
     polar_moment = None
@@ -359,6 +362,7 @@ def equilibrium(shot: Shot) -> float:
     to_first, to_last = shot.to_specimen
     windows = shot.windows
     incident = at_specimen(first, windows.incident, to_first, shot)
+    # The other two ran from the specimen to the gauge: they are carried back.
     reflected = at_specimen(first, windows.reflected, -to_first, shot)
     transmitted = at_specimen(last, windows.transmitted, -to_last, shot)
     level = first.window(*windows.incident).pulse().plateau

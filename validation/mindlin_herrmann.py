@@ -219,7 +219,7 @@ def velocity_by_modes(x: float, t: np.ndarray, branches: Branches) -> np.ndarray
     the spectrum of the raised cosine is sin(y)/(y (1 - (y/pi)^2)).
     """
     D = 2.2 * x
-    count = int(15 / RADIUS * D / math.pi)
+    count = int(15 / RADIUS * D / math.pi)  # modes with k a up to 15
     k = np.arange(1, count) * math.pi / D
     v = np.full(len(t), 1 - x / D)
     for branch in branches(k * RADIUS):
@@ -249,6 +249,7 @@ def solve_ramp(x: int, t: np.ndarray, theory: str) -> np.ndarray:
 
 def front(x: int, mindlin_herrmann_bound: float, rayleigh_love_bound: float) -> Rows:
     """Velocities x metres away by one theory, and rises by both, us."""
+    # Times around the arrival of the middle of the rise, over four widths of the front
     t = x / C + RISE / 2 + 4e-6 * x ** (1 / 3) * np.linspace(-4, 4, 300)
     exact_v = velocity_by_modes(x, t, exact_branches)
     exact_rise = 1e6 * rise_time(t, exact_v)

@@ -218,7 +218,9 @@ def follow_bounces(
 ) -> Bounces:
     """A ball dropped from the height h, collision by collision.
 
-    From one bounce to the next it rises for rising/g and falls for as long.
+    From one bounce to the next it rises for rising/g and falls for as long. The result
+    has the time and the path until it meets the ground after the last bounce, the
+    height of the last rise, and the number of rises without any height.
     """
     falling = np.sqrt(2 * g * h)  # speed at the ground
     time = falling / g
@@ -325,7 +327,8 @@ def bullet_through_block() -> Rows:
 def random_bullets() -> Rows:
     """10.5.9 as formulas, errors of speeds and losses of random bullets.
 
-    They go through A and stay in B.
+    They go through A and stay in B. The masses are m of the bullet, m_a and m_b of the
+    blocks; v_a and v_b are the speeds of the blocks afterwards.
     """
     rng = default_rng(9)
     logarithms = rng.uniform(-2, 0, (4, DRAWS))
@@ -396,7 +399,11 @@ def random_bullets() -> Rows:
 
 
 def rise(ratio: np.ndarray, e_b: np.ndarray, e_r: np.ndarray) -> np.ndarray:
-    """Height of a rubber ball on a basketball of mass 1, dropped by 1."""
+    """Height to which a rubber ball on a basketball of mass 1 rises, dropped from 1.
+
+    `ratio` is the mass of the rubber ball; e_b is the restitution at the ground, e_r
+    that between the balls.
+    """
     one = np.ones_like(ratio)
     masses = np.stack([one, ratio], axis=-1)
     restitutions = np.stack([e_b, e_r], axis=-1)

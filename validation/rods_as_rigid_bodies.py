@@ -86,7 +86,10 @@ def run() -> Rows:
 
 
 def uniform(rng: Generator, direction: float) -> ri.Rod:
-    """A random moving rod; impedance and transit time are log-uniform from 1 to 30."""
+    """A random moving rod; impedance and transit time are log-uniform from 1 to 30.
+
+    `direction` is the sign of its velocity, 1.0 or -1.0.
+    """
     logarithms = rng.uniform(0, np.log(30.0), 2)
     Z, T = np.exp(logarithms).tolist()
     speed = float(rng.uniform(0.6, 2.0))
@@ -94,7 +97,10 @@ def uniform(rng: Generator, direction: float) -> ri.Rod:
 
 
 def stepped(rng: Generator, direction: float) -> ri.Rod:
-    """A random moving rod of two or three pieces; transit times are whole numbers."""
+    """A random moving rod of two or three pieces; transit times are whole numbers.
+
+    `direction` is the sign of its velocity, 1.0 or -1.0.
+    """
     pieces = []
     for _ in range(rng.integers(2, 4)):
         transit_time = float(rng.integers(1, 5))
@@ -126,7 +132,10 @@ class Differences(NamedTuple):
 
 
 def differences_of(system: ri.System) -> Differences:
-    """Solve the rods' collision, and compare it with that of rigid bodies."""
+    """Relative differences between the collision of two rods and of rigid bodies.
+
+    The rigid bodies have the e of the rods. e is returned as well.
+    """
     solution = ri.solve(system)
     outcome = solution.outcome
     body = outcome.as_rigid()
@@ -147,7 +156,10 @@ def differences_of(system: ri.System) -> Differences:
 
 
 def as_rigid_bodies(kind: str, systems: Iterable[ri.System]) -> Rows:
-    """Largest differences between rods and the rigid bodies that stand for them."""
+    """Largest differences between rods and the rigid bodies that stand for them.
+
+    The last row counts the values of e outside 0 to 1.
+    """
     differences = [differences_of(system) for system in systems]
     velocity = [difference.velocity for difference in differences]
     impulse = [difference.impulse for difference in differences]

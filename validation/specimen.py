@@ -67,9 +67,10 @@ def without_dispersion(incident: ri.Signal) -> BarModel:
 
 
 def with_dispersion(incident: ri.Signal) -> BarModel:
-    """The exact first mode carries pulses to the specimen and back.
+    """Model in which the exact first mode carries pulses to the specimen and back.
 
-    In the solver pulses keep their shape, so dispersion is added before and after it.
+    In the solver pulses keep their shape, so dispersion is added before and after it:
+    here to the incident pulse, by the fit to the reflected and the transmitted one.
     """
     travel_time = GAUGE_DISTANCE / BAR.wave_speed
     pulse = without_dispersion(incident).pulse
@@ -103,6 +104,7 @@ def measured(
     """The reflected or the transmitted pulse, for a fit.
 
     A positive voltage means compression, a negative strain; so the gain is negative.
+    Without dispersion, that is at `distance` 0, the pulse is not propagated.
     """
     radius = None
     if model.distance:

@@ -110,6 +110,7 @@ def method_of_steps(
     def rate(t: float, y: np.ndarray, span_start: float) -> list[float]:
         """Rates of the indentation y[0] and of the impulse y[1]."""
         F = k * max(y[0], 0.0) ** 1.5
+        # Velocity at which the bodies give way, as they take up the impulse
         yielding = y[1] / mass
         for Z, T in rods:
             reflected = 0

@@ -30,8 +30,9 @@ def separation_of(run: ExactRun, contact: int, tick: Any) -> Separation:
     There are three reasons; the first that holds in the run gives the conditions:
 
     - No front is in flight, and the gap does not close: its opening velocity.
-    - No wave that circulates on the right is slower than one on the left: the order of
-      these waves, and the differences of their velocities.
+    - Each wave that circulates on the right has a particle velocity at least as large
+      as each on the left: the order of these waves, and the differences of their
+      velocities.
     - Otherwise, vibration cannot bridge the gap: the mean opening velocity, the mean
       gap, and the square of this gap less the square that vibration can bridge.
 

@@ -250,7 +250,7 @@ def _simplest_best(strikers: list[Striker]) -> Striker:
     for striker in strikers:
         if striker.misfit * (1 - BETTER_MISFIT_RTOL) <= least:
             return striker
-    return strikers[-1]
+    return strikers[-1]  # only if misfits are NaN
 
 
 def _bounded_segments(logarithms: Floats, bounds: Floats) -> dict[int, str]:

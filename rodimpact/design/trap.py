@@ -184,12 +184,12 @@ def _gap(solution: Solution, body: int, times: Any, passed: float) -> float:
     rod: Any = solution.system.bodies[body]
     times = [0.0, *times, passed]
     length = float(rod.length)
-    positions = solution.displacement(body, length, times)
-    start = positions[0]
-    gap = float(positions[-1] - start)
-    furthest = float(positions.max() - start)
-    range_of_positions = np.ptp(positions)
-    round_off = DISPLACEMENT_RTOL * float(range_of_positions)
+    displacements = solution.displacement(body, length, times)
+    start = displacements[0]
+    gap = float(displacements[-1] - start)
+    furthest = float(displacements.max() - start)
+    range_of_displacements = np.ptp(displacements)
+    round_off = DISPLACEMENT_RTOL * float(range_of_displacements)
     if furthest > gap + round_off:
         message = (
             f"the right end is at {gap:.6g} m at {passed!r} s, and was at "

@@ -248,8 +248,8 @@ def run_on_clock(
     """
     row = clock.row
     log, outside = initial_lines(row, clock)
-    for l in range(len(log)):  # the log has one piece of each line in order
-        log[l].line = l
+    for line in range(len(log)):  # the log has one piece of each line in order
+        log[line].line = line
     options = RunRequest(until_of(request), tolerance, request.max_events, keep)
     constant_line = InitialLine(1, 0, 1)  # one piece, no breaks, of one tick
     initial = [constant_line for _ in log]

@@ -166,10 +166,10 @@ def events_of_chain(facts: Any, pressed: list[Any]) -> str:
 def events_of_contact(facts: Any, contact: Any) -> str:
     """Sentence on how the force of the only contact that can open ends, and why.
 
-    There are four cases: it presses to the end of the run; a smooth solution, see
-    `end_of_smooth_force`; the bodies part and meet again; else a wave ends the force,
-    see `end_by_wave`. In an exact run the sentence adds when the bodies part, if that
-    is after the last force.
+    There are five cases: the curve of the force shows no press, since it is too short;
+    it presses to the end of the run; a smooth solution, see `end_of_smooth_force`; the
+    bodies part and meet again; else a wave ends the force, see `end_by_wave`. In an
+    exact run the sentence adds when the bodies part, if that is after the last force.
     """
     spells = spells_of(contact)
     presses = presses_of(contact)

@@ -301,7 +301,8 @@ class RuledTable(NamedTuple):
 def mistakes(case: Any, gauges: Any, library: Any) -> list[Mistake]:
     """Mistakes in a case whose physics the page can solve; [] if there are none.
 
-    Mistakes of structure come first, then wrong numbers.
+    Mistakes of structure come first, then wrong numbers. A number that a table lacks
+    counts as 0.
 
     Parameters
     ----------

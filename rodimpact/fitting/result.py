@@ -226,7 +226,7 @@ class Fit(Shown):
         return align(self._rows_of_additions())
 
     def against(self, other: Fit) -> Fit:
-        """Return this fit with notes on the changes under another law or theory.
+        """Return a copy of this fit with notes on changes under another law or theory.
 
         Parameters
         ----------

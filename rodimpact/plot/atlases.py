@@ -151,10 +151,10 @@ def _draw_borders(
         OTHER_CONTACTS: (2.0, colours().ink),
         E_IS_ONE: (2.0, colours().series[4]),
     }
+    kind_of_line = kinds[plane.of_line]  # kind of a border point on each line
     drawn = []
     for kind, style in styles.items():
         width, colour = style
-        kind_of_line = kinds[plane.of_line]  # kind of a border point on the line
         segments = lines[kind_of_line == kind]
         if len(segments):
             border = collections.LineCollection(

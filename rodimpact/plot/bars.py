@@ -414,7 +414,7 @@ class Bars:
 
 
 def _largest_strain(profiles: list[Profile]) -> float:
-    """Largest absolute strain of profiles; 1 if all of them are 0."""
+    """Largest absolute strain of profiles; 1, by which one can divide, if all are 0."""
     largest = 0.0
     for profile in profiles:
         largest = max(largest, largest_of(profile.strain))

@@ -60,11 +60,11 @@ def _levels(values: Floats) -> list[float]:
     """
     low = float(np.nanmin(values))
     high = float(np.nanmax(values))
-    near = NEAR_LEVEL * (high - low)
+    near = NEAR_LEVEL * (high - low)  # values this near to a level count as equal to it
+    margin = EDGE_LEVELS * near
     locator = ticker.MaxNLocator(MAX_LEVELS, steps=[1, 2, 2.5, 5, 10])
     levels = []
     for level in locator.tick_values(low, high):
-        margin = EDGE_LEVELS * near
         is_inside = low + margin < level < high - margin
         if not is_inside:
             continue
@@ -109,21 +109,22 @@ def label_contours(
     half_widths = np.full(len(obstacles), LETTERS / 2)
     chosen = []
     for text in trial:
-        half = text_width(text.get_text(), LETTERS) / 2 + LABEL_GAP
+        half_width = text_width(text.get_text(), LETTERS) / 2 + LABEL_GAP
         candidates = []
         for point in _candidates(ax, contours, text):
             distances = np.hypot(*(obstacles - point).T)
-            if not (distances < half + half_widths).any():
+            if not (distances < half_width + half_widths).any():
                 candidates.append(point)
         # First the points that leave room for a visible part of the line
-        inside = [point for point in candidates if _is_inside(ax, point, half + STUB)]
-        inside += [point for point in candidates if _is_inside(ax, point, half)]
+        margin = half_width + STUB
+        inside = [point for point in candidates if _is_inside(ax, point, margin)]
+        inside += [point for point in candidates if _is_inside(ax, point, half_width)]
         if inside:
             best = inside[0]
             to_map = ax.transData.inverted()
             chosen.append(to_map.transform(best * _pixels(ax)))
             obstacles = np.vstack([obstacles, best])
-            half_widths = np.append(half_widths, half)
+            half_widths = np.append(half_widths, half_width)
         text.remove()
     labels = ax.clabel(
         contours, fmt=value, inline_spacing=3, fontsize=LETTERS, manual=chosen
@@ -183,13 +184,13 @@ def _candidates(
     yield from nearest[order]
 
 
-def _is_inside(ax: Axes, point: Floats, half: float) -> bool:
-    """Whether a point on paper is inside the Axes, farther than `half` from its frame.
+def _is_inside(ax: Axes, point: Floats, margin: float) -> bool:
+    """Whether a point on paper is inside the Axes, beyond a margin from its frame.
 
     All lengths are in points.
     """
     box = ax.get_window_extent()
     lower_left = box.p0 / _pixels(ax)
     upper_right = box.p1 / _pixels(ax)
-    is_inside = (point - half > lower_left) & (point + half < upper_right)
+    is_inside = (point - margin > lower_left) & (point + margin < upper_right)
     return bool(is_inside.all())

@@ -23,7 +23,7 @@ MIN_HUNDREDTHS = 2  # hundredths of a second; browsers show faster pictures slow
 
 
 def check_film(path: str | os.PathLike[str]) -> str:
-    """Kind of film that the suffix of a path names, "gif" or "mp4".
+    """Kind of film that the suffix of a path names: "gif" or "mp4", without a dot.
 
     Raises
     ------
@@ -45,8 +45,8 @@ def write_gif(file: BinaryIO, film: Any, report: ProgressReport = no_report) -> 
     """Write the frames of an Animation as a GIF that repeats for ever.
 
     All frames have the colours of the last one. Each stays for a whole number of
-    hundredths of a second, the last one `LAST_FRAME_MS` longer. `report` is called
-    after each frame.
+    hundredths of a second, at least `MIN_HUNDREDTHS`, the last one `LAST_FRAME_MS`
+    longer. `report` is called after each frame.
     """
     last = film.frame(len(film) - 1)
     palette = _palette(Image.fromarray(last))

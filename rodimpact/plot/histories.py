@@ -119,8 +119,9 @@ def draft_contact(
 ) -> Draft:
     """Draft of `contact` for the contacts of these indices: all curves, without marks.
 
-    Several contacts have a legend. `write_words` of the draft labels the axes again for
-    the final sizes, and marks force ends and openings of a single contact.
+    Several contacts have a legend; a title says how many of all contacts are drawn if
+    they are a selection. `write_words` of the draft labels the axes again for the final
+    sizes, and marks force ends and openings of a single contact.
     """
     force_ax, gap_ax = two_axes_or_new(ax, "force and gap", height=4.2, ratios=(1, 1))
 
@@ -149,8 +150,9 @@ def draft_contact(
             each.set_ylabel(break_label(scale.label, height))
 
     label()
-    is_selection = len(contacts) == MAX_NAMED_CONTACTS < len(solution.contacts)
-    if is_selection:
+    is_full = len(contacts) == MAX_NAMED_CONTACTS
+    are_all_drawn = len(contacts) == len(solution.contacts)
+    if is_full and not are_all_drawn:  # the selection of `_most_pressed`
         force_ax.set_title(
             f"{len(contacts)} of {len(solution.contacts)} contacts",
             loc="left",
@@ -225,7 +227,9 @@ def _set_height(ax: Axes) -> None:
 def _mark_ends(
     solution: Solution, curves: "ContactCurves", force_ax: Axes, gap_ax: Axes
 ) -> list[Annotation]:
-    """Mark when the force ends and the gap opens in each episode of the first contact.
+    """Mark when the force ends and the gap opens in each episode of a single contact.
+
+    It is the first one of `curves`.
 
     Each time has a dotted line in both Axes. Its caption is in the Axes of the force or
     of the gap, one line lower for each later episode. The captions are returned. A
@@ -378,7 +382,8 @@ class ContactCurves:
         low = float(gaps.min())
         high = float(gaps.max())
         laws = {type(history.law) for history in self.histories}
-        has_compliant_contact = not laws <= {Rigid, Bonded, Joint}
+        laws_without_overlap = {Rigid, Bonded, Joint}
+        has_compliant_contact = not laws <= laws_without_overlap
         name = "gap"
         if low < 0 and has_compliant_contact:
             name = "gap, below 0\noverlap"

@@ -102,7 +102,7 @@ class Animation:
         self.field = field
         self.times = times
         self.colours = colours()
-        self._context = copy_context()  # colours and style of the film
+        self._style_context = copy_context()  # colours and style of the film
         shown = times[np.searchsorted(times, 0.0) :]  # without the approach
         start = float(shown[0])
         stop = float(shown[-1])
@@ -279,7 +279,7 @@ class Animation:
         self._clock.set_text(self.clock(number))
         n_past = np.searchsorted(self._event_times, t, side="right")  # events until t
         self._caption.set_text(self._captions[n_past])
-        self._context.run(self._draw_bodies, t)
+        self._style_context.run(self._draw_bodies, t)
         for ax in (self._row, self._words):
             self.figure.draw_artist(ax)
         for drawn in [*self._row.collections, *self._row.patches, *self._row.lines]:
@@ -492,7 +492,9 @@ def _approach_frames(
     for k, gap in enumerate(solution.system.gaps):
         if gap == 0:
             closing.append(float(velocities[k] - velocities[k + 1]))
-    if start != 0 or max(closing, default=0.0) <= 0:
+    if start != 0:
+        return 0
+    if max(closing, default=0.0) <= 0:  # none approach, or none touch
         return 0
     if min(closing) < 0:  # before 0 these bodies would overlap
         return 0

@@ -175,6 +175,7 @@ def headline(solution: Solution) -> str:
     else none.
     """
     outcome = solution.outcome
+    has_pressed = any(contact.episodes for contact in outcome.contacts)
     parts = [_bodies(solution)]
     speed = closing_speed(solution)
     if speed:
@@ -183,7 +184,7 @@ def headline(solution: Solution) -> str:
         parts.append(f"restitution e = {outcome.restitution:.4g}")
         parts.append(f"impulse {quantity_text(outcome.impulse, 'N s')}")
         parts.append(f"force duration {quantity_text(outcome.duration, 's')}")
-    elif solution.final and not any(c.episodes for c in outcome.contacts):
+    elif solution.final and not has_pressed:
         parts.append("nothing collides")
     elif len(solution.system.bodies) <= MAX_NAMED_BODIES:
         parts.append(_velocities(solution))

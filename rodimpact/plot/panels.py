@@ -112,7 +112,7 @@ def axes_or_new(
 ) -> Axes:
     """The Axes given, or that of a new figure of this size, inches.
 
-    An `ax` that is neither an Axes nor None is refused.
+    InvalidModel is raised for an `ax` that is neither an Axes nor None.
     """
     if ax is None:
         return new_figure(width, height, least_height).add_subplot()

@@ -30,7 +30,8 @@ class Raster:
     def __init__(self, solution: Solution, start: float, stop: float | None) -> None:
         """Divide the interval into rows of cells: one for each tick, or `MAX_ROWS`.
 
-        `stop` is by default the end of the solution.
+        `stop` is by default the end of the solution. InvalidModel is raised unless it
+        is at least a tick later than `start`.
         """
         if stop is None:
             stop = solution.t_end
