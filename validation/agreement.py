@@ -162,7 +162,10 @@ def random_rows(whole_numbers: bool) -> Rows:
 
 
 def compliant_systems() -> dict[str, ri.System]:
-    """Systems with springs, Hertz contacts and a joint, whose waves are all smooth."""
+    """Three systems with springs, Hertz contacts and a joint, by name.
+
+    All their waves are smooth. Wave speeds are 1.
+    """
     first = rod(0.4, impedance=1.0, velocity=1.0)
     second = rod(1.0, impedance=2.0)
     mass = ri.RigidMass(0.7, velocity=1.0)

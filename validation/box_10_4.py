@@ -94,7 +94,11 @@ def identical_rods() -> Rows:
 
 
 def rod_on_wall() -> Rows:
-    """e, velocity, vibration and contact time of a steel rod of 1 m on a rigid wall."""
+    """e, velocity, vibration and contact time of a steel rod of 1 m on a rigid wall.
+
+    The expected values are those of the textbook: e = 1, the velocity reversed, none, 2
+    L/c.
+    """
     striker = rod(1.0, SPEED)
     outcome = ri.collide(striker, ri.Wall())
     velocity = outcome.velocities_after[0]
@@ -190,7 +194,10 @@ def impedance(rod: ri.Rod) -> float:
 
 
 def equal_transit_times() -> Rows:
-    """e of steel on brass at equal transit times and very different impedances: 1."""
+    """e of steel on brass at equal transit times and very different impedances: 1.
+
+    There is one row for each ratio of areas.
+    """
     brass = ri.materials.brass
     length = 0.5 * float(brass.wave_speed) / float(STEEL.wave_speed)
     for area_ratio in AREA_RATIOS:

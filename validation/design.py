@@ -117,7 +117,11 @@ def random_ratios(seed: int) -> Floats:
 
 
 def reconstructed(ratios: Floats) -> ri.design.PulseDesign:
-    """Design of a striker for the pulse of a hidden one with these impedance ratios."""
+    """Design of a striker for the pulse of a hidden one with these impedance ratios.
+
+    The pulse is that of the hidden striker glued to the bar, in steps; the design also
+    has a bonded contact.
+    """
     force = Z * SPEED * glued_pulse(ratios, 2 * SEGMENTS)
     step = DURATION / SEGMENTS
     edges = step * np.arange(1, force.size)
@@ -133,7 +137,11 @@ def reconstructed(ratios: Floats) -> ri.design.PulseDesign:
 
 
 def hidden_strikers() -> Rows:
-    """Areas and pulses of strikers that are found from the pulses of hidden ones."""
+    """Errors of strikers that are found from the pulses of hidden, random ones.
+
+    They are the median error of the areas, the number of strikers with a wrong area,
+    and the largest misfit of a pulse.
+    """
     area_errors = []
     misfits = []
     for seed in range(HIDDEN_STRIKERS):

@@ -47,7 +47,10 @@ def run() -> Rows:
 
 
 def thrown() -> Rows:
-    """Times, force and velocity of the bar that is thrown at the floor, no gravity."""
+    """Times, force and velocity of the bar that is thrown at the floor, no gravity.
+
+    They are compared with values by hand: the force is constant, and e = 1.
+    """
     bar = ri.Rod(LENGTH, area=AREA, material=MATERIAL, velocity=-SPEED)
     bodies = [ri.Wall(), bar]
     system = ri.System(bodies, gaps=[HEIGHT])
@@ -84,7 +87,11 @@ def ramps(t: np.ndarray) -> np.ndarray:
 
 
 def dropped() -> Rows:
-    """Contacts, force, height and energy of the dropped bar over three periods."""
+    """Contacts, force, height and energy of the dropped bar over three periods.
+
+    Each period has two contacts, with a rising and a falling ramp of the force. All is
+    compared with values by hand.
+    """
     end = PERIODS * PERIOD
     solution = ri.solve(falling_bar(), until=end)
     floor = solution.contacts[0]

@@ -42,7 +42,7 @@ def solved(*lengths: float) -> ri.Solution:
 
 
 def restitution() -> Axes:
-    """Draw computed e of two rods over l1/l2, for ratios up to 1."""
+    """Draw computed e of two steel rods over l1/l2, up to 1, beside the law."""
     ratios = [i / 20 for i in range(1, 21)]
     ratios += OTHER_RATIOS
     restitutions = []
@@ -65,7 +65,10 @@ def restitution_over_length() -> Axes:
 
 
 def restitution_map() -> Axes:
-    """Draw a map of e over the ratios of length and area of two rods."""
+    """Draw a map of e over the ratios of length and area of two steel rods.
+
+    Both ratios are from 0.1 to 10, 1000 values each.
+    """
     ratios = np.geomspace(0.1, 10, 1000)
     length = 1.0  # m
     area = 1e-6  # m^2
@@ -108,7 +111,11 @@ def draw_law(
 
 
 def draw_equal_rods(ax: Axes) -> None:
-    """Draw e of chains of equal rods over their number, by law and computed."""
+    """Draw e of chains of equal rods over their number, by law and computed.
+
+    There are two pairs of a line and dots: for e of the first and the last rod, and for
+    e of the first rod and the centre of mass of all others.
+    """
     numbers = np.arange(2, 11)
     collisions = [chain(n) for n in numbers.tolist()]
     last_rod = [collision.restitution_of_last for collision in collisions]
@@ -184,7 +191,10 @@ def key_times(solution: ri.Solution) -> list[float]:
 
 
 def main() -> None:
-    """Draw every picture and the film, and write them as files."""
+    """Draw every picture and the film, and write them as files.
+
+    Existing files are replaced; a line with the size of each figure is printed.
+    """
     FOLDER.mkdir(exist_ok=True)
     unequal = solved(0.4, 1.0)
     equal = solved(1.0, 1.0)

@@ -98,7 +98,10 @@ def pair(
 
 
 def three_equal_rods() -> Rows:
-    """Formulas of the velocities of three rods of one impedance: 0, 0 and T1/T3."""
+    """Formulas of the velocities of three rods of one impedance: 0, 0 and T1/T3.
+
+    All three transit times are equal there, so that other formulas meet this one.
+    """
     first = rod(1, velocity=1.0)
     resting = rod(1)
     system = ri.System([first, resting, resting])
@@ -113,7 +116,10 @@ def three_equal_rods() -> Rows:
 
 
 def three_rods() -> Rows:
-    """Formulas of three rods of different impedances, against runs on fractions."""
+    """Formulas of three rods of different impedances, against runs on fractions.
+
+    The first moves at 1, the others are at rest and touch. See `against_runs`.
+    """
     first = rod(2, impedance=1, velocity=1.0)
     second = rod(3, impedance=2)
     third = rod(4, impedance=0.75)
@@ -128,7 +134,11 @@ def three_rods() -> Rows:
 
 
 def stepped_striker() -> Rows:
-    """Formulas of a striker of two pieces on a plain rod, against runs on fractions."""
+    """Formulas of a striker of two pieces on a plain rod, against runs on fractions.
+
+    The striker moves at 1. Lengths have names, areas keep their values. See
+    `against_runs`.
+    """
     first = ri.Segment(3.1, 1, UNIT)
     second = ri.Segment(2, 3, UNIT)
     striker = ri.Rod(segments=[first, second], velocity=1.0)

@@ -38,7 +38,10 @@ def run() -> Rows:
 
 
 def box() -> Rows:
-    """Derivatives of e = l1/l2 at lengths 2 : 5 of rods of one section."""
+    """Derivatives of e = l1/l2 at lengths 2 : 5 of rods of one section.
+
+    They are 1/l2 and -l1/l2^2.
+    """
     first = rod(2, velocity=1.0)
     second = rod(5)
     system = ri.System([first, second])
@@ -51,7 +54,10 @@ def box() -> Rows:
 
 
 def kink_of_the_box() -> Rows:
-    """One-sided derivatives of e at equal lengths, where e has a kink."""
+    """One-sided derivatives of e at equal lengths, where e has a kink.
+
+    The derivative with respect to l1 is 1/l2 below and -1/l2 above l1 = l2.
+    """
     first = rod(2, velocity=1.0)
     second = rod(2)
     system = ri.System([first, second])
@@ -66,7 +72,11 @@ def kink_of_the_box() -> Rows:
 
 
 def near_two_to_five() -> Rows:
-    """Derivatives of e at transit times 2.05 : 5.15 and impedances 1 : 1.7."""
+    """Derivatives of e at transit times 2.05 : 5.15 and impedances 1 : 1.7.
+
+    They are derivatives with respect to both transit times and the ratio r of
+    impedances, beside those of Saint-Venant's formula.
+    """
     T1 = 2.05
     T2 = 5.15
     r = 1.7

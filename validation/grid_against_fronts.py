@@ -99,7 +99,10 @@ def stepped_rod() -> ri.Rod:
 
 
 def pairs() -> dict[str, ri.System]:
-    """Pairs of rods, and a rod on a wall, whose transit times have no common step."""
+    """Six systems by name: pairs of rods, with and without a gap, and a rod and a wall.
+
+    No common step of time divides their transit times.
+    """
     heavy = rod(segment(3, 1, 0.5), velocity=1.0)
     light = rod(segment(1, 1.7, 1.37))
     uniform = rod(segment(2, 0.9, math.sqrt(2)))
@@ -120,7 +123,10 @@ def pairs() -> dict[str, ri.System]:
 
 
 def longer_rows() -> dict[str, ri.System]:
-    """Rows of three and four rods, one of them with a bonded contact."""
+    """Two rows of three rods and one of four, by name.
+
+    The second row of three has a bonded contact; the others have gaps.
+    """
     moving = short_rod(velocity=1.0)
     second = rod(segment(2, 1.3, 0.8))
     third = rod(segment(0.7, 0.9, 0.6))

@@ -84,7 +84,11 @@ def run() -> Rows:
 
 
 def by_stiffness() -> Rows:
-    """e at each decade of the dimensionless stiffness: from 1 it falls to l1/l2."""
+    """e at each decade of the dimensionless stiffness: from 1 it falls to l1/l2.
+
+    Rows compare e at some decades with two other computations, its fall from decade to
+    decade, its approach to l1/l2, and one value with the method of steps.
+    """
     e = {n: restitution(10.0**n) for n in range(-3, 7)}
     name = "Hertz ends, rods 0.4 : 1"
     case = Case(name, "two computations independent of this one")
@@ -168,7 +172,11 @@ def draw_limit(ax: Axes, e: float) -> None:
 
 
 def draw_by_stiffness(ax: Axes) -> None:
-    """Draw e over kappa, with values of the method of steps."""
+    """Draw e over kappa, with values of the method of steps.
+
+    The curve is computed by characteristics, the dots by the method of steps. Dotted
+    lines are at the limits l1/l2 and 1.
+    """
     draw_limit(ax, SHORT)
     draw_limit(ax, 1.0)
     kappas = np.geomspace(1e-3, 1e6, 55).tolist()
@@ -196,7 +204,10 @@ def draw_by_stiffness(ax: Axes) -> None:
 
 
 def draw_by_speed(ax: Axes) -> None:
-    """Draw e over closing speed of steel rods with rounded ends."""
+    """Draw e over closing speed of steel rods with rounded ends.
+
+    There is a curve for each radius of the ends in `RADII`.
+    """
     speeds = np.geomspace(0.01, 10, 25).tolist()
     for i, label in enumerate(RADII):
         radius = RADII[label]

@@ -98,7 +98,11 @@ def reflected_share() -> float:
 
 
 def bars_and_specimen() -> Rows:
-    """Pulse, force in the spring, and where the energy goes."""
+    """Pulse, force in the spring, and shares of the energy in a Hopkinson bar, by hand.
+
+    The spring is the specimen. What passes it is radiated through the transmitted bar;
+    what remains is reflected.
+    """
     solution = ri.solve(pressure_bar(), until=END)
     striker_contact = solution.contacts[0]
     spring = solution.contacts[1]
@@ -221,7 +225,11 @@ def gauge_delays(material: ri.Material, striker_length: float, gauge: float) -> 
 
 
 def measured_pulses() -> Rows:
-    """Incident pulses, and the delay of the reflected one, in microseconds."""
+    """Incident pulses, and the delay of the reflected one, in microseconds.
+
+    Measured values are compared with runs of uniform bars, whose wave speed follows
+    from E and rho or is calibrated.
+    """
     density = TITANIUM_DENSITY
     titanium = ri.Material(
         "Ti-6Al-4V", youngs_modulus=TITANIUM_MODULUS, density=density

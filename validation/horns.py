@@ -135,7 +135,11 @@ def horns_with_fronts() -> dict[str, Area]:
 
 
 def front(name: str, area: Area) -> Rows:
-    """Arrival of a front at the free end of a horn, and its velocity doubled there."""
+    """Arrival of a front at the free end of a horn, and its velocity doubled there.
+
+    The other end starts to move at speed 1. The front grows as (A0/A1)^(1/2), and the
+    free end doubles it.
+    """
     t = np.linspace(0.98, 1.05, 701)
     ends = (ri.Moved(1.0), ri.Free())
     system = ri.System([horn(area)], ends=ends)
@@ -193,7 +197,10 @@ def fixed_mode(n: int) -> Rows:
 
 
 def frequency_of(mode: Mode) -> Rows:
-    """Angular frequency of a mode: omega = c (k^2 + beta^2)^(1/2), k = n pi/L."""
+    """Angular frequency of a mode of an exponential horn, on a grid.
+
+    The mode is started alone. Expected is omega = c (k^2 + beta^2)^(1/2), k = n pi/L.
+    """
     velocity = ri.Samples(np.exp(-BETA * SAMPLES) * mode.shape)
     rod = horn(exponential(BETA), velocity)
     system = ri.System([rod], ends=mode.conditions)

@@ -193,7 +193,11 @@ def tenth_zero(contact: ri.ContactHistory) -> float:
 
 
 def frequencies(method: Method) -> Rows:
-    """Frequencies of the three lowest modes, each started alone in a run of its own."""
+    """Frequencies of the three lowest modes of two rods on a spring, by one method.
+
+    Each mode is started alone in a run of its own. Its frequency follows from the tenth
+    zero of the stretch.
+    """
     w, shapes, _ = modes(count=3)
     case = Case(f"two rods on a spring, {method.name}", SUM_OF_MODES)
     for m in range(3):
@@ -222,7 +226,10 @@ def stretch_by_modes(t: np.ndarray) -> np.ndarray:
 
 
 def motion(method: Method) -> Rows:
-    """Stretch and energy over five round trips of rod 1, which starts at velocity 1."""
+    """Stretch and energy of two rods on a spring over five round trips of rod 1.
+
+    Rod 1 starts at velocity 1. The reference is the sum over modes.
+    """
     t = np.linspace(0.0, 10.0, 501)
     exact = stretch_by_modes(t)
     left = first_rod(velocity=1.0)
@@ -323,7 +330,11 @@ def stretch_with_mass(t: np.ndarray) -> np.ndarray:
 
 
 def mass_on_bar(method: Method) -> Rows:
-    """Stretch and energy of a mass at speed 1 on an endless bar, up to t = 3."""
+    """Stretch and energy of a mass at speed 1 on an endless bar, up to t = 3.
+
+    A joint with stiffness and damping connects them. The reference is the exponential
+    of a matrix.
+    """
     t = np.linspace(0.0, 3.0, 301)
     exact = stretch_with_mass(t)
     mass = ri.RigidMass(MASS, velocity=1.0)

@@ -65,7 +65,11 @@ def angular_frequency(v: np.ndarray, dt: float) -> float:
 
 
 def phase_velocity(half_waves: int) -> Rows:
-    """Phase velocity of a standing wave of some half waves in a free unit bar."""
+    """Phase velocity of a standing wave of some half waves in a free unit bar.
+
+    It follows from the frequency of the end's velocity on a grid, and is compared with
+    Rayleigh and Love's formula.
+    """
     k = half_waves * math.pi
     material = ri.Material("unit", youngs_modulus=1.0, density=1.0, poisson_ratio=NU)
     x = np.linspace(0.0, 1.0, 8001)
@@ -154,7 +158,11 @@ def passage_by_modes(x: int, level: float) -> float:
 
 
 def rises() -> Rows:
-    """Rises of the velocity from 10 to 90 % of the step, us."""
+    """Rises of the velocity from 10 to 90 % of the step, us.
+
+    At each distance the sum over modes is compared with a contour integral and with a
+    grid, and the grid with a rounded value.
+    """
     solution = solve_step()
     case = Case("step of velocity in a steel bar of 19 mm", "sum over modes")
     for x, round_value in RISE_AT_DISTANCE.items():

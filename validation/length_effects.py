@@ -93,7 +93,10 @@ def map_of_pairs() -> Rows:
 
 
 def equal_areas() -> Rows:
-    """Largest error of e of steel rods of one area: shorter length over longer."""
+    """Largest error of e of steel rods of one area: shorter length over longer.
+
+    The lengths are in the ratios 0.05 to 3, the first rod may be the longer one.
+    """
     ratio = np.linspace(0.05, 3, 119)
     first = ri.Rod(ratio, area=AREA, material=STEEL, velocity=1.0)
     second = ri.Rod(1.0, area=AREA, material=STEEL)
@@ -106,7 +109,10 @@ def equal_areas() -> Rows:
 
 
 def equal_transit_times() -> Rows:
-    """Largest error of e of steel on brass rods of equal transit times: e = 1."""
+    """Largest error of e of steel on brass rods of equal transit times: e = 1.
+
+    The areas of the second rod are 0.1 to 10 times that of the first.
+    """
     length = BRASS.wave_speed / STEEL.wave_speed
     areas = AREA * np.geomspace(0.1, 10, 52)
     first = ri.Rod(1.0, area=AREA, material=STEEL, velocity=1.0)
@@ -177,7 +183,12 @@ def bonded_chain_restitution(n: int) -> float:
 
 
 def chains() -> Rows:
-    """Chains of 2 to 10 equal rods: velocities, and e of the first and the others."""
+    """Chains of 2 to 10 equal rods: errors of the velocities, and of e.
+
+    e is that of the first and the last rod, 1, and of the first rod and the centre of
+    mass of all others, 1/(n - 1). The latter is also that of a rod on a rod as long as
+    all others.
+    """
     velocity_errors = []
     errors_of_all = []
     errors_of_last = []
@@ -232,7 +243,11 @@ def cradle(length: object = 1.0, area: object = 1.0) -> ri.SweepResult:
 
 
 def cradles() -> Rows:
-    """Velocities after of cradles of five rods, the first unlike the others."""
+    """Velocities after of cradles of five rods, the first unlike the others.
+
+    The others are longer or shorter, then thicker. The velocities are compared with
+    formulas.
+    """
     length_ratio = np.linspace(0.26, 3.0, 138)
     expected = [np.zeros(length_ratio.shape)]
     for k in (3, 2, 1, 0):  # of rods 2 to 5, counted from the last

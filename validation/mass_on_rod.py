@@ -94,7 +94,10 @@ def exact_on_free_rod(mass_ratio: float) -> FreeImpact:
 
 
 def on_free_rod(mass_ratio: float) -> Rows:
-    """e, impulse, contact time and energy of a mass that strikes a free rod."""
+    """e, impulse, contact time and energy of a mass that strikes a free rod.
+
+    The reference is the closed form of `exact_on_free_rod`.
+    """
     striker = ri.RigidMass(mass_ratio, velocity=1.0)
     system = ri.System([striker, ROD])
     outcome = ri.solve(system).outcome

@@ -419,7 +419,10 @@ def titanium_by_moduli() -> Rows:
 
 
 def titanium_with_free_speed() -> Rows:
-    """Misfit and wave speed of titanium, if the wave speed is fitted, too."""
+    """Misfit and wave speed of titanium, if the wave speed is fitted, too.
+
+    The wave speed is compared with the calibrated one.
+    """
     vary = {SPEED: (4200.0, 5400.0)}
     fit = fitted(TITANIUM, STIFFNESS_BOUNDS | vary, starts=3)
     misfit = 100 * fit.misfits[0]

@@ -92,7 +92,12 @@ def two_frequencies(v: np.ndarray, dt: float) -> list[float]:
 
 
 def standing_wave(tenths: int, cells_per_radius: float) -> PhaseVelocities:
-    """Phase velocities of waves of 10/tenths radii in a bar of length 1."""
+    """Phase velocities of waves of 10/tenths radii in a bar of length 1.
+
+    The bar, 20 radii long, has fixed ends and starts as a standing wave. Both
+    velocities, slow and fast, follow from the two frequencies at a belly; they are over
+    c = 1.
+    """
     half_waves = 4 * tenths  # the bar is 20 radii long
     k = half_waves * math.pi
     material = ri.Material("unit", youngs_modulus=1.0, density=1.0, poisson_ratio=NU)
@@ -118,7 +123,11 @@ def standing_wave(tenths: int, cells_per_radius: float) -> PhaseVelocities:
 
 
 def phase_velocities(tenths: int) -> Rows:
-    """Both branches at one wavelength, and how their errors fall with the cells."""
+    """Both branches at one wavelength, and how their errors fall with the cells.
+
+    The wavelength is 10/tenths radii. The errors are those of 4 times as large cells
+    and of the usual ones, at three of the wavelengths.
+    """
     ratio = tenths / 10
     computed = standing_wave(tenths, CELLS_PER_RADIUS)
     slow, fast = ri.waves.mindlin_herrmann(ratio, NU)
@@ -159,7 +168,11 @@ def segment(length: float, radius: float, theory: str) -> ri.Segment:
 
 
 def energy() -> Rows:
-    """Residual of the energy of a row of four bodies, over the energy."""
+    """Largest residual of the energy balance of a row of four bodies, over the energy.
+
+    They are a stepped rod, a bar with segments of two theories, a rigid mass bonded to
+    it, and a second such bar.
+    """
     thin = segment(0.1, 0.01, MINDLIN_HERRMANN)
     thick = segment(0.1, 0.015, MINDLIN_HERRMANN)
     long = segment(0.2, 0.01, MINDLIN_HERRMANN)
@@ -233,7 +246,10 @@ def velocity_by_modes(x: float, t: np.ndarray, branches: Branches) -> np.ndarray
 
 
 def solve_ramp(x: int, t: np.ndarray, theory: str) -> np.ndarray:
-    """Velocity at x and times t of a steel bar whose end smoothly reaches speed 1."""
+    """Velocity at x and times t of a steel bar whose end smoothly reaches speed 1.
+
+    It is computed on a grid, by the theory of lateral inertia of this name.
+    """
     s = np.linspace(0.0, 1.0, 401)  # time over that of the rise
     # v(s) = s - sin(2 pi s)/(2 pi), which starts and ends without acceleration
     velocity = s - np.sin(2 * math.pi * s) / (2 * math.pi)
@@ -248,7 +264,11 @@ def solve_ramp(x: int, t: np.ndarray, theory: str) -> np.ndarray:
 
 
 def front(x: int, mindlin_herrmann_bound: float, rayleigh_love_bound: float) -> Rows:
-    """Velocities x metres away by one theory, and rises by both, us."""
+    """Rise of the velocity x metres away by two theories on a grid, us.
+
+    The reference is the exact sum over modes. For Mindlin and Herrmann's theory the
+    velocities are also compared with the sum over its own modes.
+    """
     # Times around the arrival of the middle of the rise, over four widths of the front
     t = x / C + RISE / 2 + 4e-6 * x ** (1 / 3) * np.linspace(-4, 4, 300)
     exact_v = velocity_by_modes(x, t, exact_branches)
@@ -275,7 +295,10 @@ def front(x: int, mindlin_herrmann_bound: float, rayleigh_love_bound: float) -> 
 
 
 def striker_pulse() -> ri.Signal:
-    """Strain near the struck end of a bar that a striker with rounded ends hits."""
+    """Strain near the struck end of a bar that a striker with rounded ends hits.
+
+    It is sampled every 0.1 us, and extended by 1 ms at both ends.
+    """
     diameter = 2 * PULSE_RADIUS
     striker = ri.Rod(0.25, diameter=diameter, material=STEEL, velocity=10.0)
     bar = ri.Rod(1.0, diameter=diameter, material=STEEL)
@@ -328,7 +351,10 @@ PULSE_BOUNDS = {  # diameters: bounds, %, by Rayleigh and Love, by Mindlin and H
 
 
 def distances() -> Rows:
-    """Misfit of a pulse carried by either theory to that carried by the exact mode."""
+    """Misfit of a pulse carried by either theory to that carried by the exact mode.
+
+    The misfit is in % of the peak, at some distances in diameters.
+    """
     pulse = striker_pulse()
     first_mode = ri.waves.first_mode(RADII_OVER_WAVELENGTH, NU)
     mindlin_herrmann = ri.waves.mindlin_herrmann(RADII_OVER_WAVELENGTH, NU)[0]

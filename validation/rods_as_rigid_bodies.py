@@ -206,7 +206,10 @@ def every_speed() -> Rows:
 
 
 def newtons_ratios() -> Rows:
-    """e of steel rods whose lengths have the ratios of e that Newton measured."""
+    """e of steel rods whose lengths have the ratios of e that Newton measured.
+
+    For each kind of ball, e must be the ratio of the lengths.
+    """
     source = "Newton, Principia, translated by Motte and Cajori (1947), page 25"
     for ball, e in NEWTON.items():
         short = e.numerator / 20
@@ -219,7 +222,10 @@ def newtons_ratios() -> Rows:
 
 
 def thin_or_thick_ends() -> Rows:
-    """e of stepped rods on a wall, and of two of them as mirror images."""
+    """e of stepped rods on a wall, and of two of them as mirror images.
+
+    Both are compared with e by hand, for each pair of impedances in `STEPPED`.
+    """
     for impedances, e in STEPPED.items():
         pieces = [ri.Segment(1.0, Z, UNIT) for Z in impedances]
         rod = ri.Rod(segments=pieces, velocity=-1.0)

@@ -100,7 +100,10 @@ def all_different() -> Rows:
 def last_wave_ratio(
     Z1: np.ndarray, T1: np.ndarray, Z2: np.ndarray, T2: np.ndarray
 ) -> np.ndarray:
-    """Last force over the first: q^K, K the number of round trips of the short rod."""
+    """Last force over the first: q^K, K the number of round trips of the short rod.
+
+    q is the reflection of the short rod's wave at the contact, 0 if that is negative.
+    """
     Z_short = np.where(T1 < T2, Z1, Z2)
     Z_long = np.where(T1 < T2, Z2, Z1)
     reflection = (Z_short - Z_long) / (Z_short + Z_long)

@@ -34,7 +34,10 @@ def run() -> Rows:
 
 
 def blocks_without_loss() -> Rows:
-    """Velocities and energies of sample 10.19: 2 kg at 0.5 m/s on 10 kg at 0.2 m/s."""
+    """Velocities and energies of sample 10.19: 2 kg at 0.5 m/s on 10 kg at 0.2 m/s.
+
+    The collision is that of rigid bodies with e = 1.
+    """
     m1 = 2.0
     v1 = 0.5
     m2 = 10.0

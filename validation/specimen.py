@@ -83,7 +83,11 @@ def with_dispersion(incident: ri.Signal) -> BarModel:
 
 
 def pressure_bar(model: BarModel, specimen: ri.Yielding | ri.Spring) -> ri.System:
-    """Two titanium bars and the specimen; the pulse comes in on the left."""
+    """Two titanium bars and the specimen; the pulse comes in on the left.
+
+    The pulse of the model is a voltage, which becomes the strain of the incoming wave.
+    The far end absorbs.
+    """
     density = TITANIUM.density
     material = ri.Material(
         "bar",
@@ -123,7 +127,11 @@ def measured(
 def fitted(
     specimen: ri.Yielding | ri.Spring, dispersion: bool = False, starts: int = 1
 ) -> ri.Fit:
-    """Fit of a specimen to the reflected and the transmitted pulse."""
+    """Fit of a specimen to the reflected and the transmitted pulse.
+
+    Without `dispersion` the bars do not disperse the pulses. The bounds of the unknown
+    numbers are those for a yielding specimen or for a spring.
+    """
     first, last = record(TITANIUM)
     plateau = first.values[first.values > PLATEAU_VOLTAGE]
     level = float(np.median(plateau))

@@ -180,7 +180,10 @@ class Case(NamedTuple):
         source: str = "",
         detail: str = "",
     ) -> Row:
-        """Row of the largest of some differences, of either sign, which should be 0."""
+        """Row of the largest magnitude among differences that should be 0.
+
+        `differences` may have either sign and any shape.
+        """
         got = largest_magnitude(differences)
         return self.row(quantity, 0.0, got, bound, source=source, detail=detail)
 

@@ -208,7 +208,10 @@ def _unknown_paths(
 
 
 def _non_positive(row: Row, numbers: RowNumbers) -> Problems:
-    """A problem for each transit time and each impedance that is not positive."""
+    """A problem for each transit time and each impedance that is not positive.
+
+    The path is that of the segment. The list is empty if all numbers are positive.
+    """
     problems: Problems = []
     paths = row.paths[1:]  # paths of the segments; the first one lies outside the row
     for path, T in zip(paths, numbers.transit_times, strict=True):

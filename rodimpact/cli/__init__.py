@@ -268,7 +268,11 @@ def _parted_number(words: list[str]) -> str:
 
 
 def _program_parser() -> argparse.ArgumentParser:
-    """Parser of the program: the command, and its arguments, which it does not read."""
+    """Parser of the program: the command, and its arguments, which it does not read.
+
+    Its help lists the commands and the exit statuses. Without a command, `command` is
+    "".
+    """
     lines = ["commands:"]
     for name, purpose in COMMANDS.items():
         lines.append(f"  {name:10} {purpose}")

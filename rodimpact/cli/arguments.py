@@ -338,7 +338,10 @@ def add_number(
 def add_run_options(
     parser: argparse.ArgumentParser, names: Sequence[str] = tuple(RUN_NUMBERS)
 ) -> None:
-    """Add the method, and some of the numbers in `RUN_NUMBERS`."""
+    """Add the method, and some of the numbers in `RUN_NUMBERS`.
+
+    By default all of these numbers are added.
+    """
     parser.add_argument(
         "--method", choices=METHOD_NAMES, help="method; default: the method in the case"
     )

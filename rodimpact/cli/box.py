@@ -198,7 +198,10 @@ def restitution_of(material: Material, ratio: float) -> float:
 
 
 def introduction(material: Material) -> str:
-    """The rods of the box, their bar speed, and how a collision is described."""
+    """Text on the rods of the box, their bar speed, and how a collision is described.
+
+    Its first line is the title of the page.
+    """
     bar_speed = float(material.wave_speed)
     round_trip = 2 / bar_speed
     return (

@@ -140,7 +140,10 @@ def _check_arguments(args: Arguments, positions: GaugePositions) -> None:
 
 
 def _window(args: Arguments, name: str, record: Signal) -> Signal:
-    """The part of a record from --start to --stop; by default all of it."""
+    """The part of a record from --start to --stop; by default all of it.
+
+    InvalidModel, with the names of both options, is raised if there is no such part.
+    """
     start = record.start
     if args.start is not None:
         start = args.start
@@ -245,7 +248,10 @@ def _pulse_rows(name: str, comparison: Comparison) -> Iterator[list[str]]:
 
 
 def _misfit_rows(comparison: Comparison) -> list[list[str]]:
-    """Rows of misfit, shift and factor of a prediction, without a header."""
+    """Rows of misfit, shift and factor of a prediction, without a header.
+
+    The shift has a remark if it is at its limit.
+    """
     misfit = comparison.misfit
     shift = format_si(misfit.shift, "s")
     if misfit.at_limit:
@@ -259,7 +265,10 @@ def _misfit_rows(comparison: Comparison) -> list[list[str]]:
 
 
 def _json(comparisons: dict[str, Comparison]) -> str:
-    """The comparisons as JSON, in SI units."""
+    """The comparisons as JSON, in SI units.
+
+    By channel they have the unit, the compared interval, the misfit, and both pulses.
+    """
     channels = {}
     for name, comparison in comparisons.items():
         channels[name] = {

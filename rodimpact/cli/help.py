@@ -20,7 +20,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _topic(word: str) -> str:
-    """The topic of that name; a mistake in the call for any other word."""
+    """The word itself if there is a text of this name; else a mistake in the call.
+
+    The only text is "units".
+    """
     if word == "materials":
         raise argparse.ArgumentTypeError("`rodimpact materials` lists them")
     if word != "units":
@@ -39,7 +42,10 @@ def run(args: argparse.Namespace) -> CommandResult:
 
 
 def table_of_units() -> str:
-    """Table of every unit that a number in a text may have, by quantity."""
+    """Table of every unit that a number in a text may have, by quantity.
+
+    A row has the quantity, its SI unit, or "1" for a pure number, and its other units.
+    """
     rows = [("quantity", "SI", "also")]
     for quantity, units in UNITS.items():
         si = si_unit(quantity)

@@ -36,7 +36,7 @@ def run(args: argparse.Namespace) -> CommandResult:
 
 
 def _json(names: list[str]) -> str:
-    """JSON of materials, with wave speeds and sources."""
+    """JSON of materials: their tables, with wave speeds, m/s, and sources."""
     entries = []
     for name in names:
         material = TABLE[name]
@@ -48,7 +48,10 @@ def _json(names: list[str]) -> str:
 
 
 def _table(names: list[str]) -> str:
-    """Table of materials."""
+    """Table of materials: modulus, density, bar speed and Poisson's ratio, with units.
+
+    An unknown Poisson's ratio is "-".
+    """
     rows = [["material", "Young's modulus", "density", "bar speed", "Poisson ratio"]]
     for name in names:
         material = TABLE[name]

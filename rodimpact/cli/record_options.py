@@ -36,7 +36,10 @@ BRIDGE_NUMBERS = {
 
 
 def add_case_and_record(parser: argparse.ArgumentParser) -> None:
-    """Add the case, the record, the positions of its gauges, and the outputs."""
+    """Add the case, the record, the positions of its gauges, and the outputs.
+
+    The record may be several files. The outputs are --json, --save and --force.
+    """
     parser.add_argument("case", metavar="CASE.toml", help="the case file")
     parser.add_argument(
         "record",

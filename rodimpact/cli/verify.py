@@ -89,7 +89,7 @@ def _json(results: list[Check]) -> str:
 
 
 def _table(results: list[Check]) -> str:
-    """Table of all checks, each "ok" or "FAILED"."""
+    """Table of all checks: expected, computed, difference, bound, "ok" or "FAILED"."""
     rows = [["e of", "expected", "computed", "difference", "bound", ""]]
     for check in results:
         verdict = "FAILED"

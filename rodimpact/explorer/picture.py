@@ -213,7 +213,10 @@ def spread(facts: Any, offsets: list[float], frame: float) -> float:
 
 
 def ratio_of(facts: Any) -> Any:
-    """Ratio l1/l2 of the lengths of two uniform rods; None for any other row."""
+    """Ratio l1/l2 of the lengths of two uniform rods; None for any other row.
+
+    l1 is the length of the left rod: the ratio may be above 1.
+    """
     bodies = facts["bodies"]
     if len(bodies) != 2:
         return None

@@ -49,7 +49,12 @@ class Place(NamedTuple):
         return signal.replace(values=self._by_images(solution, signal))
 
     def _by_images(self, solution: Solution, signal: Signal) -> Floats:
-        """Strain at the times of a signal by images of the forces on both ends."""
+        """Strain at the times of a signal by images of the forces on both ends.
+
+        The images of a force stand for the wave that the force sends out and for its
+        reflections at both ends; each wave is dispersed by the exact first mode. A free
+        end has no force.
+        """
         from scipy import fft
 
         rod = solution.system.bodies[self.body]

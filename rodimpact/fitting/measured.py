@@ -176,7 +176,10 @@ class Measured(FrozenDataclass):
         return abs(self.distance) / float(self._rod(system).segments[0].wave_speed)
 
     def _rod(self, system: System) -> Rod:
-        """The rod with the gauge; InvalidModel for a family, or if it is no rod."""
+        """The rod with the gauge; InvalidModel for a family, or if it is no rod.
+
+        InvalidModel is also raised if the system has no body of this index.
+        """
         check_kind("system", system, System, "System([rod, Wall()])")
         if system.shape:
             raise invalid_argument(

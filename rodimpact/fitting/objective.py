@@ -201,7 +201,12 @@ class Objective:
         return list(map(smooth_curve, signals, blurs))
 
     def _predictions(self, curves: Sequence[Any], point: Floats) -> Floats:
-        """Predictions at the samples of one record after another, over their levels."""
+        """Predictions at the samples of all records, one record after another.
+
+        `curves` are the blurred signals by record. Each gets the shift, gain, offset
+        and trend that the point has for its record, and is divided by the level of the
+        record.
+        """
         shifts = point[self._index[SHIFT]]
         gains = point[self._index[GAIN]]
         offsets = point[self._index[OFFSET]]

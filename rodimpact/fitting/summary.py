@@ -96,7 +96,10 @@ def _descent(end: Any, varied: Sequence[Parameter], is_free: Any) -> Descent:
 def _fitted(
     varied: Sequence[Parameter], best: Descent, errors: Floats
 ) -> tuple[Fitted, ...]:
-    """The numbers that varied, with their standard errors and bounds."""
+    """The numbers that varied, with their standard errors and bounds.
+
+    Values are those of `best`; `errors` are in the units of the numbers.
+    """
     fitted = []
     for number, error in zip(varied, errors.tolist(), strict=True):
         low, high = number.scaled_bounds

@@ -207,7 +207,10 @@ class Borders:
         return bands
 
     def masses(self) -> list[patches.Polygon]:
-        """Draw a dark strip for each rigid mass, between the paths of its two ends."""
+        """Draw a dark strip for each rigid mass, between the paths of its two ends.
+
+        The strips are returned; the list is empty if there are no masses.
+        """
         strips = []
         for i, body in enumerate(self.system.bodies):
             if isinstance(body, RigidMass):

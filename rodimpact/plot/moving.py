@@ -156,7 +156,11 @@ class Animation:
         self._still = self._canvas.copy_from_bbox(self.figure.bbox)
 
     def _grid_cells(self) -> "_GridCells":
-        """Add a grid to the figure: words beside the row, above it in a narrow film."""
+        """Add a grid to the figure: words beside the row, above it in a narrow film.
+
+        The cells are returned. The diagram is below the row, the forces beside the
+        diagram.
+        """
         if self._is_narrow():
             grid = self.figure.add_gridspec(
                 3, 2, height_ratios=(1.0, 0.7, 3.6), width_ratios=(3, 1)
@@ -305,7 +309,11 @@ class Animation:
         future[:NOW_LINE] = 255 * np.array(to_rgb(self.colours.ink))
 
     def _draw_bodies(self, t: float) -> None:
-        """Draw the bodies at time t, s, on their own Axes."""
+        """Draw the bodies at time t, s, on their own Axes.
+
+        They are rods in the colours of the field, walls and masses, and marks of
+        contacts.
+        """
         bars = self._bars
         bars.move_to(np.array([t]))
         values = bars.pieces[self.field] * self._factor

@@ -185,7 +185,11 @@ class Plane:
         self.time_axis.set_ticks(list(ticks), labels=labels)
 
     def _rods(self) -> list[RodOnAxis]:
-        """The rods from left to right, with their ends on the axis at the start."""
+        """The rods from left to right, with their ends on the axis at the start.
+
+        The start is that of the span. Each rod also has the numbers of its ends in
+        material coordinates. All are in the unit of the axis.
+        """
         layout = self.layout
         factor = self.scales.x.factor
         start = self.span.start

@@ -393,7 +393,10 @@ def _with_room_below(labels: list[_Label]) -> list[_Label]:
 
 
 def _name_rods(bars: Bars) -> None:
-    """Write the names of the rods, or symbols of their lengths, above the first row."""
+    """Write the names of the rods, or symbols of their lengths, above the first row.
+
+    `rod_labels` chooses: the names if all have room, else the symbols that have room.
+    """
     per_point = float(units_per_point(bars.ax)[0])
     rods = rods_of(bars.system)
     middles = []  # in the unit of the axis
