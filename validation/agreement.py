@@ -37,7 +37,11 @@ ROWS_OF_RODS = {  # transit times
 
 
 def run() -> Rows:
-    """Compare pairs, rows that touch, random rows, and the grid."""
+    """Compare pairs, rows that touch, random rows, and the grid.
+
+    The first three compare characteristics with fronts, the last one a grid with
+    characteristics.
+    """
     yield from pairs()
     yield from touching_rows()
     yield from random_rows(whole_numbers=True)

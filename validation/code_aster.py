@@ -18,7 +18,10 @@ SPEED = 1.0  # m/s
 
 
 def run() -> Rows:
-    """Contact time, velocity and energies after, of a striker and a bonded target."""
+    """Contact time, velocity and energies after, of a striker and a bonded target.
+
+    The target is bonded to a wall. The striker must leave as fast as it came.
+    """
     striker = ri.Rod(LENGTH, area=AREA, material=STEEL, velocity=SPEED)
     target = ri.Rod(LENGTH, area=AREA, material=STEEL)
     contacts = [ri.Rigid(), ri.Bonded()]

@@ -48,7 +48,7 @@ MS = 1e3  # milliseconds in a second
 
 
 def run() -> Rows:
-    """Compare modes, restitution, energy."""
+    """Compare decay of modes, restitution of damped pairs, energy of a ringing pair."""
     for ends in ENDS:
         for n in (1, 2, 5):
             yield from mode(ends, n)
@@ -351,7 +351,10 @@ def longest_decay_time() -> float:
 
 
 def draw_level(ax: Axes, energy: float, label: str, offset: float) -> None:
-    """Draw a dotted line at an energy, and a label an offset above or below it."""
+    """Draw a dotted line at an energy, and a label an offset above or below it.
+
+    A positive `offset` puts the label above the line.
+    """
     ax.axhline(energy, color=FAINT, linewidth=1.0, linestyle=":")
     alignment = "top"
     if offset > 0:

@@ -77,7 +77,10 @@ def falling_bar() -> ri.System:
 
 
 def ramps(t: np.ndarray) -> np.ndarray:
-    """Force of the floor at times t: up in the first contact of a period, then down."""
+    """Force of the floor at times t: up in the first contact of a period, then down.
+
+    Between the contacts the force is 0. The period begins when the bar is dropped.
+    """
     phase = t % PERIOD
     first = (phase > 1) & (phase < 5 / 3)
     second = (phase > 11 / 3) & (phase < 13 / 3)

@@ -105,7 +105,11 @@ def contact_episodes() -> Axes:
 def draw_law(
     ax: Axes, numbers: np.ndarray, law: np.ndarray, values: list[float], colour: str
 ) -> None:
-    """Draw a broad line for a law over 2 to 10 rods, and dots for computed values."""
+    """Draw a broad line for a law over 2 to 10 rods, and dots for computed values.
+
+    `law` has 101 values at evenly spaced numbers of rods, `values` one for each of
+    `numbers`.
+    """
     ax.plot(np.linspace(2, 10, 101), law, color=colour, alpha=0.4, linewidth=5.0)
     ax.plot(numbers, values, color=colour, linestyle="", marker="o", markersize=4.0)
 

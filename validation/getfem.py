@@ -28,7 +28,10 @@ X = np.linspace(0.0, 1.0, 41)
 
 
 def released_bar() -> ri.System:
-    """System of a floor, a compressed bar, and a wall that is bonded to the bar."""
+    """System of a floor, a compressed bar, and a wall that is bonded to the bar.
+
+    The bar is compressed by a half, and 1/2 above the floor. It is released at t = 0.
+    """
     bar = rod(1.0, strain=-0.5)
     bodies = [ri.Wall(), bar, ri.Wall()]
     contacts = [ri.Rigid(), ri.Bonded()]
@@ -91,7 +94,10 @@ def by_fronts() -> Rows:
 
 
 def state_change(solution: ri.Solution, t: float) -> float:
-    """Largest difference of a field at time t from the field at the start."""
+    """Largest difference of a field at time t from the field at the start.
+
+    The fields are velocity, strain and displacement of the bar.
+    """
     differences = []
     for field in (solution.velocity, solution.strain, solution.displacement):
         at_start = field(1, X, 0.0)

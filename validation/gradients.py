@@ -30,7 +30,7 @@ RANDOM_ROWS = 50
 
 
 def run() -> Rows:
-    """Compare the box, its kink, a pair near 2 : 5, random rows of three."""
+    """Compare derivatives for the box, its kink, a pair near 2 : 5, and random rows."""
     yield from box()
     yield from kink_of_the_box()
     yield from near_two_to_five()

@@ -68,7 +68,11 @@ def restitution(kappa: float) -> float:
 
 
 def restitution_by_steps(k: float, V: float = 1.0, until: float = 3.0) -> float:
-    """e by the method of steps, to 7 digits: P (1/m1 + 1/m2)/V - 1."""
+    """e by the method of steps, to 7 digits: P (1/m1 + 1/m2)/V - 1.
+
+    P is the impulse on rods of the lengths `SHORT` and 1, of impedance and wave speed
+    1.
+    """
     short = StruckRod(impedance=1.0, transit_time=SHORT)
     long = StruckRod(impedance=1.0, transit_time=1.0)
     reference = method_of_steps(k, V, [short, long], until=until)
@@ -158,7 +162,11 @@ def one_stiffness() -> Rows:
 
 
 def steel_restitution(V: float, contact: ri.Hertz) -> float:
-    """e of steel rods 0.2 m and 0.5 m long, 10 mm thick, that meet at V m/s."""
+    """e of steel rods 0.2 m and 0.5 m long, 10 mm thick, that meet at V m/s.
+
+    The second rod is at rest. The method is characteristics, as the contact is
+    compliant.
+    """
     area = math.pi * STEEL_DIAMETER**2 / 4
     first = ri.Rod(0.2, area=area, material=STEEL, velocity=V)
     second = ri.Rod(0.5, area=area, material=STEEL)

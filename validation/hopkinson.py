@@ -190,7 +190,10 @@ class Pulse(NamedTuple):
 
 
 def first_pulse(gauge: ri.Gauge) -> Pulse:
-    """The compression that runs right past a gauge, from first to last half height."""
+    """The compression that runs right past a gauge, from first to last half height.
+
+    The half is that of the largest compression; this is the height of the pulse.
+    """
     compression = -gauge.rightward
     height = compression.max()
     inside = np.flatnonzero(compression > height / 2)

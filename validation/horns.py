@@ -46,7 +46,7 @@ Area = Callable[[np.ndarray], np.ndarray]
 
 
 def run() -> Rows:
-    """Compare cones, fronts, modes, and horns that are struck by rods."""
+    """Compare driven cones, fronts, modes, and horns that are struck by rods."""
     yield from driven_cone()
     for name, area in horns_with_fronts().items():
         yield from front(name, area)

@@ -99,7 +99,10 @@ ENERGY_BOUND = 1e-12  # energy that may be missing in the balance, by any method
 
 
 def run() -> Rows:
-    """Compare modes, dashpots, a mass."""
+    """Compare modes and motion of rods on a spring, dashpots, and a mass.
+
+    Each is computed by each method.
+    """
     for method in METHODS:
         yield from frequencies(method)
     for method in METHODS:
@@ -264,7 +267,10 @@ class Junction(NamedTuple):
 
 
 def junctions() -> list[Junction]:
-    """Dashpots before a like bar, an unlike bar, and a wall."""
+    """Dashpots before a like bar, an unlike bar, and a wall.
+
+    The latter three are what a pulse in a bar meets behind the dashpot.
+    """
     Z, unlike = IMPEDANCES
     like_bar = Junction("like bars, c = Z/2", first_rod(), Z, Z / 2, ri.Absorbing())
     unlike_bar = Junction(

@@ -233,7 +233,10 @@ def front(x: float, t: float) -> float:
 
 
 def first_passage(t: np.ndarray, v: np.ndarray, level: float) -> float:
-    """Time at which v first passes a level, by linear interpolation, s."""
+    """Time at which v first passes a level, by linear interpolation, s.
+
+    It lies between the first value above the level and the value before it.
+    """
     i = int(np.argmax(v > level))
     interval = t[i] - t[i - 1]
     before = v[i - 1]

@@ -206,7 +206,11 @@ def section_of(shot: Shot, theory: str | None) -> dict[str, Any]:
 
 
 def section_bounds(shot: Shot) -> dict[str, Span]:
-    """Bounds of a round striker's diameter, m, or of a square one's area, m^2."""
+    """Bounds of a round striker's diameter, m, or of a square one's area, m^2.
+
+    They are SECTION_FREEDOM below and above the value of the bar, by the path of the
+    number.
+    """
     least = 1 - SECTION_FREEDOM
     most = 1 + SECTION_FREEDOM
     if shot.side is None:
@@ -337,7 +341,10 @@ class FittedModel(NamedTuple):
 
 
 def fitted_models() -> Iterator[FittedModel]:
-    """Fit each incident pulse by each model."""
+    """Fit each incident pulse by each model.
+
+    Each fit is yielded with its metal, model, processor time and bound.
+    """
     for metal, shot in SHOTS.items():
         for model, bound in zip(MODELS, BOUNDS[metal], strict=True):
             start = time.process_time()
@@ -408,7 +415,10 @@ def run() -> Rows:
 
 
 def titanium_by_moduli() -> Rows:
-    """Misfit and striker's length for titanium at the wave speed of E and rho."""
+    """Misfit and striker's length for titanium at the wave speed of E and rho.
+
+    The model is the one with Hertz ends and the exact mode.
+    """
     fit = fitted(TITANIUM, STIFFNESS_BOUNDS, speed=TITANIUM_SPEED_FROM_MODULI)
     misfit = 100 * fit.misfits[0]
     length = 1e3 * fit.values[LENGTH]

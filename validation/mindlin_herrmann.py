@@ -333,7 +333,10 @@ def carried(pulse: ri.Signal, speeds: np.ndarray, distance: float) -> np.ndarray
 
 
 def misfit(values: np.ndarray, exact: np.ndarray) -> float:
-    """Root mean square of the difference while the pulse lasts, % of its peak."""
+    """Root mean square of the difference while the pulse lasts, % of its peak.
+
+    The pulse lasts while `exact` is above 1 % of its peak.
+    """
     peak = np.abs(exact).max()
     lasting = np.flatnonzero(np.abs(exact) > 0.01 * peak)
     start = lasting[0]

@@ -59,7 +59,10 @@ SHORT = 0.4  # length of the first rod of the yardsticks; that of the second is 
 
 
 def median_time(job: Callable[[], Any], runs: int = 7) -> float:
-    """Median duration of a job, s."""
+    """Median duration of a job, s.
+
+    The job runs `runs` times.
+    """
     durations = []
     for _ in range(runs):
         start = time.perf_counter()
@@ -79,7 +82,10 @@ def usual_environment() -> dict[str, str]:
 
 
 def number_printed_by(code: str) -> float:
-    """Run a program in a new process, and read the number that it prints."""
+    """Run a program in a new process, and read the number that it prints.
+
+    CalledProcessError is raised if the program fails.
+    """
     command = [sys.executable, "-c", code]
     process = subprocess.run(
         command, capture_output=True, text=True, check=True, env=usual_environment()
@@ -88,7 +94,10 @@ def number_printed_by(code: str) -> float:
 
 
 def time_of_command(*arguments: str) -> float:
-    """Duration of the command line from the start of its process to its end, s."""
+    """Duration of the command line from the start of its process to its end, s.
+
+    It is the median of several processes, after one that does not count.
+    """
     command = [sys.executable, "-m", "rodimpact", *arguments]
     environment = usual_environment()
 
@@ -244,7 +253,10 @@ def event_of_free_pair() -> float:
 
 
 def event_of_row(n: int) -> float:
-    """Time of an event of n random rods, all of which touch at first, s."""
+    """Time of an event of n random rods, all of which touch at first, s.
+
+    The rows are the same in each call, see `time_of_event`.
+    """
     rng = default_rng(0)
     T = rng.integers(1, 30, n)
     Z = rng.uniform(0.5, 2.0, n)
@@ -361,7 +373,10 @@ def map_of_pairs() -> float:
 
 
 def hertz_pair() -> float:
-    """Time of a pair of rods with rounded ends by `solve`, in machine code, s."""
+    """Time of a pair of rods with rounded ends by `solve`, in machine code, s.
+
+    It is a median. Earlier solutions, which run in plain Python, do not count.
+    """
     first = ri.Rod(SHORT, area=AREA, material=STEEL, velocity=1.0)
     second = ri.Rod(1.0, area=AREA, material=STEEL)
     contact = ri.Hertz(1e10)
@@ -450,7 +465,10 @@ def measure() -> dict[str, float]:
 
 
 def time_text(seconds: float) -> str:
-    """A duration with a fitting unit."""
+    """A duration with a fitting unit.
+
+    The unit is s, ms, us or ns; the number has three digits.
+    """
     for unit, scale in (("s", 1.0), ("ms", 1e3), ("us", 1e6)):
         if seconds * scale >= 1:
             return f"{seconds * scale:.3g} {unit}"

@@ -25,7 +25,7 @@ PAIR = ri.System([rod(1.0, velocity=1.0), rod(1.0)])
 
 
 def run() -> Rows:
-    """A few ratios of lengths by name, then all small ones, then all small pairs."""
+    """Compare e of a few ratios of lengths, then of all small ones and small pairs."""
     case = Case("rational arithmetic", "textbook, box 10.4: l1/l2")
     for l1, l2 in NAMED_LENGTHS:
         e = collide(1, l1, 1, l2)

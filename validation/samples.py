@@ -92,7 +92,11 @@ def peak_forces() -> Rows:
 
 
 def heavy_basketball_error() -> np.ndarray:
-    """Errors of the height over that of the drop for a mass ratio of 1e12."""
+    """Errors of a tennis ball's height over that of the drop, on a heavy basketball.
+
+    The basketball is 1e12 times as heavy. The limit is (e1 + e2 + e1 e2)^2, for e1 and
+    e2 from 0 to 1, [e2, e1].
+    """
     places = np.linspace(0, 1, 11)
     e1, e2 = np.meshgrid(places, places)
     restitutions = np.stack([e2, e1], axis=-1)

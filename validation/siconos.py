@@ -20,7 +20,10 @@ GAP = 5e-5  # m
 
 
 def run() -> Rows:
-    """Impact, contact time, force and e of a bar; the floor is to its right."""
+    """Impact, contact time, force and e of a bar that strikes a floor on its right.
+
+    There is a gap between them at first.
+    """
     bar = ri.Rod(LENGTH, area=AREA, material=MATERIAL, velocity=SPEED)
     outcome = ri.collide(bar, ri.Wall(), gap=GAP)
     impact = outcome.contacts[0].first

@@ -145,7 +145,10 @@ def method_of_steps(
 
 
 def reflection_times(rods: Sequence[StruckRod], until: float) -> list[float]:
-    """Start, times at which reflections come back to the contact, and end, s."""
+    """Start, times at which reflections come back to the contact, and end, s.
+
+    They are sorted, each once; reflections come back after 2 n T in each of the rods.
+    """
     times = set()
     for _, T in rods:
         for n in range(1, math.ceil(until / (2 * T))):
@@ -159,7 +162,7 @@ def round_trips(t: float, T: float) -> int:
 
 
 def run() -> Rows:
-    """The stiffness, the rod on the wall, the ball on the rod."""
+    """Compare the stiffness, a sphere-ended rod on a wall, and a ball on a rod."""
     area = math.pi * DIAMETER**2 / 4
     contact = ri.Hertz.from_radii(
         RADIUS, math.inf, left_material=STEEL, right_material=STEEL

@@ -111,7 +111,7 @@ class Row(NamedTuple):
         return repr(number).removesuffix(".0")
 
     def cells(self) -> tuple[str, ...]:
-        """Texts of one line of the table."""
+        """Texts of a line of the table: case, quantity, source, expected, got, bound."""
         expected = self.text_of(self.expected)
         got = self.text_of(self.got)
         bound = f"{self.bound:.1e}"
@@ -198,7 +198,10 @@ def largest_magnitude(differences: Any) -> float:
 
 
 def cases() -> list[str]:
-    """Names of the files of this folder that are cases."""
+    """Names of the files of this folder that are cases.
+
+    They are those with a function `run`, without the suffix, in alphabetical order.
+    """
     names = []
     for path in FOLDER.glob("*.py"):
         if "\ndef run()" in path.read_text():
@@ -274,7 +277,10 @@ def verdict(case: str, rows: list[Row]) -> tuple[str, ...]:
 
 
 def verdicts(rows_by_case: dict[str, list[Row]]) -> str:
-    """Text of README.md, one line a case."""
+    """Text of README.md, one line a case.
+
+    It begins with the numbers of cases and of compared values.
+    """
     numbers = sum(map(len, rows_by_case.values()))
     text = INTRODUCTION.format(cases=len(rows_by_case), numbers=numbers)
     text += table_line(VERDICT_COLUMNS) + separator_line(VERDICT_COLUMNS)

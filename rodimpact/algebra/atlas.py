@@ -317,7 +317,10 @@ class Atlas:
         return locate(self.cells, xs, ys)
 
     def restitution(self, x: ArrayLike, y: ArrayLike) -> Floats:
-        """e at points, by the formula of their cell; nan without a cell or formula."""
+        """e at points, by the formula of their cell; nan without a cell or formula.
+
+        `x` and `y` are broadcast against each other.
+        """
         # The two empty texts allow any unit and any sign.
         xs, ys = broadcast_arguments(x=(x, "", ""), y=(y, "", ""))
         cell_of_point = self.locate(xs, ys)

@@ -99,7 +99,10 @@ class PlaneCell:
         return share[:, 0]
 
     def restitution(self, x: Floats, y: Floats) -> Floats:
-        """Values of the formula of e at points; nan if the cell has no formula of e."""
+        """Values of the formula of e at points; nan if the cell has no formula of e.
+
+        The formula is also evaluated at points outside the cell.
+        """
         e = np.nan
         if self.results.restitution is not None:
             program = Program([self.results.restitution], float)

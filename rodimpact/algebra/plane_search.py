@@ -367,7 +367,10 @@ class PlaneSearch:
 
 
 def locate(cells: Sequence[PlaneCell], x: Floats, y: Floats) -> Indices:
-    """Index of the first cell in which each point lies; UNRESOLVED if there is none."""
+    """Index of the first cell in which each point lies; UNRESOLVED if there is none.
+
+    The points are (x, y), arrays of one shape, which the result has too.
+    """
     indices = np.full(x.shape, UNRESOLVED)
     for i, cell in enumerate(cells):
         remaining = indices == UNRESOLVED

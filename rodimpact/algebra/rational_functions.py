@@ -232,7 +232,11 @@ class RationalFunctions:
     # Display
 
     def expression_of_polynomial(self, p: Any) -> Any:
-        """A polynomial as SymPy's expression, in factors unless it is long."""
+        """A polynomial as SymPy's expression, in factors unless it is long.
+
+        It is written in the symbols of the user, so that wave speeds become
+        sqrt(E/rho).
+        """
         shown = p.as_expr(*self._symbols)
         if len(p) > MAX_FACTORED_TERMS:
             return shown

@@ -66,7 +66,11 @@ class SymbolWords:
         return words
 
     def symbol_of(self, path: str) -> str | None:
-        """The symbol that names the number at a path, if one does."""
+        """The symbol that names the number at a path, if one does.
+
+        If several do, it is the first in the order of `words_for`. None if there is
+        none.
+        """
         for word in self.words_for(path):
             if word in self.symbols:
                 return word
@@ -251,7 +255,10 @@ class _SymbolSource:
         return TracedFraction(self.base[name], name)
 
     def _derived(self, quantity: str, segment: Any) -> Fraction:
-        """Transit time L/c or impedance rho A c of a segment."""
+        """Transit time L/c or impedance rho A c of a segment.
+
+        c is the root of E/rho from `SquareRoots`, which may be rounded.
+        """
         E = decimal_fraction(segment.material.youngs_modulus)
         rho = decimal_fraction(segment.material.density)
         c = self._roots.root(E / rho)

@@ -22,7 +22,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: Arguments) -> CommandResult:
-    """Write the page; the result is its path and size."""
+    """Write the page; the result is its path and size.
+
+    The size is in kB. InvalidModel is raised for a file that exists, without --force,
+    or whose name does not end in .html, and for a case that the page cannot solve.
+    """
     case = args.read_case()
     names = {"path": args.options["output"]}
     args.build_or_add_problems(check_page_name, args.output, names=names)

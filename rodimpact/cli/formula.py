@@ -66,7 +66,10 @@ def run(args: Arguments) -> CommandResult:
 
 
 def _caps(case: Case) -> dict[str, Any]:
-    """Keyword arguments of `closed_form`: the largest number of events, if stated."""
+    """Keyword arguments of `closed_form`: the largest number of events, if stated.
+
+    It is in the table [solve] of the case; {} if it is not.
+    """
     caps: dict[str, Any] = {}
     if "max_events" in case.solve:
         caps["max_events"] = case.solve["max_events"]

@@ -27,7 +27,10 @@ GaugePositions: TypeAlias = dict[str, GaugePosition]
 
 
 def add_gauge_option(parser: argparse.ArgumentParser, meaning: str) -> None:
-    """Add the option --gauge, which may be given several times."""
+    """Add the option --gauge, which may be given several times.
+
+    The help begins with `meaning`. Without the option its list is empty.
+    """
     parser.add_argument(
         "--gauge",
         metavar=GAUGE_FORM,

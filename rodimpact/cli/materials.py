@@ -71,7 +71,10 @@ def _table(names: list[str]) -> str:
 
 
 def _sources(names: list[str]) -> str:
-    """Lines with the source of each material."""
+    """Lines with the source of each material.
+
+    They come below the heading "Sources".
+    """
     lines = ["Sources"]
     for name in names:
         lines.append(f"{name}: {SOURCES[name]}")

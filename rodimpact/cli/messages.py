@@ -130,7 +130,10 @@ def as_options(text: str) -> str:
 
 
 def _as_key(match: re.Match[str]) -> str:
-    """The key that replaces an argument in a line about the table [solve] of a case."""
+    """The key that replaces an argument in a line about the table [solve] of a case.
+
+    A value that the message gives in quotation marks follows as `key = "value"`.
+    """
     argument = _argument_in(match)
     if match["value"]:
         return f'solve.{argument} = "{match["value"]}"'

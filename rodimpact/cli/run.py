@@ -165,7 +165,10 @@ def _write(
 
 
 def _gauges(solution: Solution, positions: GaugePositions) -> dict[str, Gauge]:
-    """Gauges by name; ValueError if the run lasted no time."""
+    """Gauges by name; ValueError if the run lasted no time.
+
+    They are gauges of the solution at `positions`.
+    """
     reason = nothing_to_draw(solution)
     if reason:
         raise ValueError(reason)

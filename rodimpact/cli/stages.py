@@ -135,7 +135,10 @@ def _pieces(solution: Solution, body: int, time: float) -> str:
 
 
 def _stress_text(stress: float, scale: float) -> str:
-    """A stress as a text: tension, compression, or none beside its scale."""
+    """A stress as a text: tension, compression, or none beside its scale.
+
+    Round-off beside `scale`, Pa, is no stress.
+    """
     stress = without_round_off(stress, scale)
     if stress == 0:
         return "no stress"

@@ -78,7 +78,10 @@ def run(args: argparse.Namespace) -> CommandResult:
 
 
 def _json(results: list[Check]) -> str:
-    """JSON of all checks, and whether all passed."""
+    """JSON of all checks, and whether all passed.
+
+    Each check has its fields, the difference, and whether it passed.
+    """
     rows = []
     for check in results:
         row = check._asdict()

@@ -103,7 +103,10 @@ class StrikerSearch(NamedTuple):
     def force(
         self, logarithms: Floats, until: float, left_end: Free | Absorbing = FREE
     ) -> Signal:
-        """Force on the bar over time, N, until a time, s, in constant steps."""
+        """Force on the bar over time, N, until a time, s, in constant steps.
+
+        The collision is solved by fronts. `left_end` is the far end of the striker.
+        """
         system = self.system(logarithms, left_end)
         solution = solve(system, until=until, method="fronts")
         contact = solution.contacts[0]

@@ -56,7 +56,10 @@ LETTER_IN_PLACE = str.maketrans("<", ",")
 
 
 def read(name: str) -> str:
-    """Text of a file of the page; "kernels.js" is translated from Python."""
+    """Text of a file of the page; "kernels.js" is translated from Python.
+
+    The latter is the compact script of the solver.
+    """
     if name == "kernels.js":
         return compact(script())
     file = resources.files(__package__).joinpath("page", name)

@@ -554,7 +554,10 @@ def system_of(case: Any, library: Any) -> PageSystem:
 
 
 def request_of(case: Any) -> RunRequest:
-    """Options of the run of a case; the cap on events is at most `MAX_PAGE_EVENTS`."""
+    """Options of the run of a case; the cap on events is at most `MAX_PAGE_EVENTS`.
+
+    The end is negative if the case gives none.
+    """
     solve = case.get("solve", {})
     until = solve.get("until", -1.0)  # negative if there is none
     max_events = solve.get("max_events", MAX_PAGE_EVENTS)

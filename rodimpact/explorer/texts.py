@@ -25,7 +25,10 @@ def as_sentence(text: str) -> str:
 
 
 def format_quantity(value: float, unit: str, digits: int) -> str:
-    """A quantity to `digits` significant digits with an SI prefix, such as "12 µs"."""
+    """A quantity to `digits` significant digits with an SI prefix, such as "12 µs".
+
+    Micro is written µ. A quantity without a unit has only the number.
+    """
     number, _, prefixed = format_si(value, unit, digits).partition(" ")
     if prefixed.startswith("u"):  # `format_si` writes micro as u
         prefixed = f"µ{prefixed[1:]}"

@@ -309,7 +309,10 @@ def _checked_records(measured: Any) -> list[Measured]:
 
 
 def _checked_interval(interval: float | None, records: Sequence[Measured]) -> float:
-    """Time step of the computed signals, s; by default the shortest in any record."""
+    """Time step of the computed signals, s; by default the shortest in any record.
+
+    It must be positive; a quantity with a unit is converted to s.
+    """
     if interval is None:
         intervals = []
         for record in records:
@@ -319,7 +322,10 @@ def _checked_interval(interval: float | None, records: Sequence[Measured]) -> fl
 
 
 def _cell_count(system: System, interval: float) -> int:
-    """Cells of the longest transit, so that a wave crosses one in an `interval`, s."""
+    """Cells of the longest transit, so that a wave crosses one in an `interval`, s.
+
+    The longest transit is that of a segment. The number is rounded up.
+    """
     longest_transit = 0.0
     for body in system.bodies:
         if isinstance(body, Rod):

@@ -162,7 +162,10 @@ class Objective:
         self._recorded = np.concatenate(scaled_records)
 
     def _middle(self) -> Floats:
-        """Middle of the bounds of each number; 0 for one without bounds."""
+        """Middle of the bounds of each number; 0 for one without bounds.
+
+        A number that lacks only one of its bounds counts as one without.
+        """
         is_bounded = np.isfinite(self.low) & np.isfinite(self.high)
         low = np.where(is_bounded, self.low, 0.0)
         high = np.where(is_bounded, self.high, 0.0)

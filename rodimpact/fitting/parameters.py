@@ -72,7 +72,11 @@ class SystemParameter(NamedTuple):
         return self.high - self.low
 
     def value(self, share: float) -> float:
-        """The number at a share, which grows linearly with it, or by equal ratios."""
+        """The number at a share, which grows linearly with it, or by equal ratios.
+
+        The share 0 gives the lower bound, the share 1 the upper one. The ratios are
+        those of `is_by_ratio`.
+        """
         x = self._offset + self._extent * share
         if self.is_by_ratio:
             return math.exp(x)

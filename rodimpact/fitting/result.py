@@ -377,7 +377,10 @@ def correlation_of(covariance: Floats) -> Floats:
 
 
 def _note_on_change(f: Fitted, change: float) -> str:
-    """Sentence on the change of a number under another law or theory."""
+    """Sentence on the change of a number under another law or theory.
+
+    The change is also given in standard errors, if the number has an error.
+    """
     amount = format_si(change, f.unit, digits=3)
     if f.standard_error:
         ratio = abs(change) / f.standard_error

@@ -70,7 +70,11 @@ def covariance(jacobian: Floats, residuals: Floats, lengths: Sequence[int]) -> F
 
 
 def autocovariance(residuals: Floats) -> Floats:
-    """Mean product of two residuals of a record, [number of samples between them]."""
+    """Mean product of two residuals of a record, [number of samples between them].
+
+    For each distance the sum of the products is divided by the number of all samples,
+    not of pairs.
+    """
     n = len(residuals)
     # The n zeros that are added keep the end of the record from meeting its beginning.
     power = np.abs(np.fft.rfft(residuals, 2 * n)) ** 2

@@ -173,7 +173,10 @@ class Bars:
         return pieces[np.diff(edges) > MIN_PIECE * length]
 
     def _widest_area(self) -> float:
-        """Largest cross-sectional area of the rods, m^2."""
+        """Largest cross-sectional area of the rods, m^2.
+
+        For a tapered segment it is the area at its widest point.
+        """
         largest = 0.0
         for body in self.system.bodies:
             if isinstance(body, Rod):

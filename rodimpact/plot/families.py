@@ -569,7 +569,11 @@ def _equality_line(equality: Equality) -> Line2D:
 
 
 def _set_count_ticks(axis: Axis, shown: ShownQuantity) -> None:
-    """Set ticks at whole numbers; ticks of codes bear their meanings in words."""
+    """Set ticks at whole numbers; ticks of codes bear their meanings in words.
+
+    The words are those of `words`, with a tick for each code. Other counts have up to
+    12 ticks.
+    """
     if shown.words:
         axis.set_ticks(range(len(shown.words)), shown.words)
     else:

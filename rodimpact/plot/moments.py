@@ -119,7 +119,10 @@ class _Reflections:
 
 
 def _is_closed_at_the_end(solution: Solution) -> bool:
-    """Whether any contact is still closed when the solution ends."""
+    """Whether any contact is still closed when the solution ends.
+
+    A contact counts as closed from the start of its last episode until the gap opens.
+    """
     for contact in solution.contacts:
         if not contact.episodes:
             continue

@@ -200,7 +200,10 @@ def snapshots(
 
 
 def _set_limits(bars: Bars) -> None:
-    """Set the limits of the Axes, with room for labels at the rows and at masses."""
+    """Set the limits of the Axes, with room for labels at the rows and at masses.
+
+    All artists so far are included along x.
+    """
     ax = bars.ax
     has_masses = any(isinstance(body, RigidMass) for body in bars.system.bodies)
     ax.use_sticky_edges = False  # else a block at the edge would have no margin
