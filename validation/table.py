@@ -111,7 +111,7 @@ class Row(NamedTuple):
         return repr(number).removesuffix(".0")
 
     def cells(self) -> tuple[str, ...]:
-        """Texts of a line of the table: case, quantity, source, expected, got, bound."""
+        """Texts of a table line: case, quantity, source, expected, got, bound."""
         expected = self.text_of(self.expected)
         got = self.text_of(self.got)
         bound = f"{self.bound:.1e}"
