@@ -363,10 +363,10 @@ def draw_level(ax: Axes, energy: float, label: str, offset: float) -> None:
 
 
 def draw_energy(ax: Axes, solution: ri.Solution) -> None:
-    """Draw how the total energy falls to that of rigid bodies, over that before.
+    """Draw the total energy over time, as a share of the energy before the impact.
 
-    Dotted lines are at the energies of elastic rods after the impact: with and without
-    vibration.
+    It falls to the energy of rigid bodies. Dotted lines are at the energies of elastic
+    rods after the impact: with and without vibration.
     """
     before = solution.outcome.kinetic_before
     elastic = ri.solve(steel_pair(STEEL)).outcome
@@ -388,7 +388,7 @@ def draw_energy(ax: Axes, solution: ri.Solution) -> None:
 def draw_vibration(ax: Axes, solution: ri.Solution) -> None:
     """Draw the energy of vibration, and that of the lowest mode of the longer rod.
 
-    The latter is an exponential, fitted to the second half of the former.
+    The energy of the mode is an exponential, fitted to the later half of the vibration.
     """
     before = solution.outcome.kinetic_before
     ring_down = solution.ring_down()

@@ -70,7 +70,10 @@ def run() -> Rows:
 
 
 def pressure_bar() -> ri.System:
-    """System of striker, incident bar, spring and endless transmitted bar."""
+    """System of striker, incident bar, spring and endless transmitted bar.
+
+    The striker moves at 1. Impedances and wave speeds are 1.
+    """
     striker = rod(STRIKER_LENGTH, velocity=1.0)
     incident = rod(INCIDENT_LENGTH)
     transmitted = rod(TRANSMITTED_LENGTH)

@@ -269,7 +269,7 @@ class Junction(NamedTuple):
 def junctions() -> list[Junction]:
     """Dashpots before a like bar, an unlike bar, and a wall.
 
-    The latter three are what a pulse in a bar meets behind the dashpot.
+    A bar or wall is what a pulse in another bar meets behind the dashpot.
     """
     Z, unlike = IMPEDANCES
     like_bar = Junction("like bars, c = Z/2", first_rod(), Z, Z / 2, ri.Absorbing())

@@ -186,8 +186,7 @@ def chains() -> Rows:
     """Chains of 2 to 10 equal rods: errors of the velocities, and of e.
 
     e is that of the first and the last rod, 1, and of the first rod and the centre of
-    mass of all others, 1/(n - 1). The latter is also that of a rod on a rod as long as
-    all others.
+    mass of all others, 1/(n - 1). A rod on a rod as long as all others has this e, too.
     """
     velocity_errors = []
     errors_of_all = []

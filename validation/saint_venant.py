@@ -82,7 +82,7 @@ def all_different() -> Rows:
     times, forces, _ = contact.breakpoints()
     changes = np.flatnonzero(np.diff(forces))
     first_change = changes[0]
-    drop = times[first_change + 1]
+    drop = times[first_change + 1]  # force i holds from time i on
     first_force = contact.force(0.0)
     second_force = contact.force(1.5)  # between the drop at 1.4 and the end at 1.69
     force_end = outcome.contacts[0].last

@@ -261,7 +261,11 @@ def page(case: str, rows: list[Row]) -> str:
 
 
 def verdict(case: str, rows: list[Row]) -> tuple[str, ...]:
-    """Cells of one case in the table of README.md, as in `VERDICT_COLUMNS`."""
+    """Cells of one case in the table of README.md, as in `VERDICT_COLUMNS`.
+
+    One cell is the largest difference over its bound, without rows that allow only
+    round-off. The last cell is "pass" if all rows hold, else "fail".
+    """
     shares = []
     for row in rows:
         if not row.allows_only_round_off:

@@ -99,8 +99,10 @@ def _centre(borders: BorderPoints, points: list[int]) -> Any:
     for axis in (0, 1):
         crossed = []
         for p in points:
-            is_along_y = borders.edges[p] >= EDGES_ALONG_X
-            if is_along_y == (axis == 1):
+            axis_of_edge = 0
+            if borders.edges[p] >= EDGES_ALONG_X:  # those along y come after these
+                axis_of_edge = 1
+            if axis_of_edge == axis:
                 crossed.append(p)
         if crossed:
             centre[axis] = borders.points[crossed, axis].mean()

@@ -66,7 +66,8 @@ def phases_of_contact(
 
     The first phase begins at tick 0: it is open if there is a gap, else `UNDECIDED`. A
     change of status ends a phase and begins the next one, with gap 0. Any other event
-    is a jump of the closing velocity within its phase.
+    is a jump of the closing velocity a - b within its phase, where a and b are the
+    waves that arrive at the contact from the left and from the right.
     """
     simulation = run.simulation
     node = run.nodes[contact]

@@ -458,7 +458,8 @@ class ClosedForm:
     def _lines_of_sides(self) -> list[str]:
         """Lines that say where other formulas meet this one, and which they are.
 
-        At most `MAX_LISTED` formulas are listed; e at the system is given if it exists.
+        At most `MAX_LISTED` formulas are listed; e at the system is given if it exists,
+        as a decimal number if its denominator is `MAX_DENOMINATOR` or larger.
         """
         equations = []
         for inequality in self._separating_inequalities[:MAX_LISTED]:

@@ -101,7 +101,7 @@ def _complain_of(error: Exception) -> int:
 
     The status is MISTAKE for a file that exists, for numbers that overflow, and for
     InvalidModel. It is FAULT for other errors of files, for too little memory, and for
-    all other errors. The latter are printed with a traceback, as faults of rodimpact.
+    all other errors, which are printed with a traceback as faults of rodimpact.
     """
     if isinstance(error, FileExistsError):
         return complain(str(error), MISTAKE)

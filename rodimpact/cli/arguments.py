@@ -165,10 +165,11 @@ class Arguments(argparse.Namespace):
         return self.build_or_add_problems(read_case, self.case, vary, names=CASE_KEYS)
 
     def run_options(self, case: Case | None) -> dict[str, Any]:
-        """Options for `solve` and `sweep`: those of the call, then those of the case.
+        """Options for `solve` and `sweep`: those of the call, and those of the case.
 
-        Mistakes bear the name of the option, or of the entry in the case, here and in
-        `naming_mistakes`.
+        An option of the call replaces that of the case. Mistakes are added; they bear
+        the name of the option, or of the entry in the case, here and in
+        `naming_mistakes`. The options are returned even if they are wrong.
         """
         options: dict[str, Any] = {}
         for name in ("method", *RUN_NUMBERS):

@@ -92,7 +92,8 @@ def read_record(args: Arguments, wanted: Iterable[str]) -> dict[str, Signal]:
     """All channels of the record, the wanted ones as strain if there is a bridge.
 
     A problem is added for each wanted name that is no channel. The result is empty, and
-    problems are added, if the record or its bridge is invalid.
+    problems are added, if the record or its bridge is invalid. The record is not read
+    if the call has problems already.
     """
     bridge = _bridge(args)
     if args.problems:

@@ -205,7 +205,8 @@ def _checked_force(wanted: object, end: float, contact: Rigid | Bonded) -> Signa
 def _exact_striker(search: StrikerSearch) -> Striker | None:
     """A striker with all segments that gives the wanted force exactly, else None.
 
-    Only a force that is constant within each step can be given exactly.
+    Exactly means to within `EXACT_MISFIT`. Only a force that is constant within each
+    step can be given exactly.
     """
     # The misfit of no force within steps is the variation of the wanted force there.
     misfits = search.misfits(no_force(search.wanted.end))

@@ -272,7 +272,7 @@ def add_change(curves: Any, node: Any, now: int, tick_duration: float) -> None:
 def outcome_of(run: PageRun, status: str) -> Any:
     """The outcome of a collision, a dictionary of `facts_of_outcome`.
 
-    `status` says why the run ended. Of the stated errors it has that of velocities.
+    `status` says why the run ended. The only stated error is that of velocities.
     """
     record = run.record
     row = run.layout.row

@@ -58,7 +58,7 @@ LETTER_IN_PLACE = str.maketrans("<", ",")
 def read(name: str) -> str:
     """Text of a file of the page; "kernels.js" is translated from Python.
 
-    The latter is the compact script of the solver.
+    "kernels.js" is the script of the solver, without line ends where none are needed.
     """
     if name == "kernels.js":
         return compact(script())

@@ -346,7 +346,9 @@ def result_of(facts: Any, pressed: list[Any], e: str) -> str:
     """Sentence on the impulse, the velocities, e, and the vibration energy.
 
     It has the impulse and e only if there is one contact that can open, and it pressed.
-    It leaves the vibration energy out if there is no energy at all.
+    Otherwise it begins with the mean velocities, and says whether they are those at the
+    end of the run or after the collision. It leaves the vibration energy out if there
+    is no energy at all.
     """
     outcome = facts["outcome"]
     velocities = velocities_of(facts)

@@ -601,8 +601,8 @@ def segment_of(table: Any, materials: Any) -> PageSegment:
 def law_of(contact: Any) -> PageContact:
     """Contact law from its table.
 
-    The exponent of springs and dashpots is 1. Of the numbers that the table lacks, any
-    other exponent is 1.5, the restitution is None, and the rest are 0.
+    The exponent of springs and dashpots is 1. Numbers that the table lacks have default
+    values: 1.5 for any other exponent, None for the restitution, and 0 for the rest.
     """
     law = contact.get("law", "rigid")
     exponent = contact.get("exponent", 1.5)

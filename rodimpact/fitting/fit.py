@@ -160,8 +160,9 @@ def fit(
     check_readings(problems, system, gauges, times=np.zeros(1))
     raise_if_problems(problems)
 
-    is_step_given = not (dt is None and rtol is None and cells is None)
-    if not is_step_given and "cells" in METHODS[options.method].takes:
+    has_no_accuracy = dt is None and rtol is None and cells is None
+    takes_cells = "cells" in METHODS[options.method].takes
+    if has_no_accuracy and takes_cells:
         # By default cells follow from the parameters, and predictions would jump.
         options = replace(options, cells=_cell_count(system, step))
     checked_additions = _checked_additions(additions, vary)

@@ -122,8 +122,10 @@ def _gain_of_images(
     """
     gain = np.zeros(len(frequencies), complex)
     round_trips = 0.0  # 2 n L, the length of n round trips
+    # The direct path, and the path by the other end, which reflects with the sign -1
+    paths = ((distance, 1.0), (2 * length - distance, -1.0))
     while round_trips < farthest:
-        for path, sign in ((distance, 1.0), (2 * length - distance, -1.0)):
+        for path, sign in paths:
             travelled = round_trips + path
             shift = np.exp(-2j * np.pi * frequencies * travelled / bar.wave_speed)
             # `first_mode` adds only the delay beyond the arrival of long waves.

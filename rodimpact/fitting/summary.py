@@ -17,7 +17,7 @@ from .uncertainty import covariance
 
 
 def summarise(objective: Objective, ends: Sequence[Any], sizes: Floats) -> Fit:
-    """The best end with its errors, and notes on the fit.
+    """Fit at the best end: numbers with errors, predictions with bands, and notes.
 
     Parameters
     ----------

@@ -85,7 +85,8 @@ def autocovariance(residuals: Floats) -> Floats:
 def power_spectrum(correlation: Floats) -> Floats:
     """Spectrum of noise with an autocovariance, which is cut off at its first zero.
 
-    It has len(correlation) + 1 frequencies. Negative values are replaced by 0.
+    The first zero is the first value that is 0 or negative. The spectrum has
+    len(correlation) + 1 frequencies; its negative values are replaced by 0.
     """
     n = len(correlation)
     first_zero = int(np.argmax(correlation <= 0))

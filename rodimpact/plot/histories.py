@@ -229,11 +229,10 @@ def _mark_ends(
 ) -> list[Annotation]:
     """Mark when the force ends and the gap opens in each episode of a single contact.
 
-    It is the first one of `curves`.
-
-    Each time has a dotted line in both Axes. Its caption is in the Axes of the force or
-    of the gap, one line lower for each later episode. The captions are returned. A
-    contact with more than `MAX_MARKED_EPISODES` has no marks.
+    The contact is the first one of `curves`. Each time has a dotted line in both Axes.
+    Its caption is in the Axes of the force or of the gap, one line lower for each later
+    episode. The captions are returned. Events that have not happened in this run have
+    no marks; a contact with more than `MAX_MARKED_EPISODES` episodes has none at all.
     """
     episodes = curves.histories[0].episodes
     if len(episodes) > MAX_MARKED_EPISODES:

@@ -129,6 +129,7 @@ class Polygons:
         first_corners = begins[:, 0]
         sides = np.column_stack((first_corners, self._next[first_corners]))
 
+        # The velocities beside the sides are [n, 2], their differences [n, 1].
         jumps = np.abs(np.diff(regions.velocity[owners]))[:, 0]
         largest = jumps.max(initial=0.0)
         if largest == 0:
