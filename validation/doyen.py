@@ -103,7 +103,7 @@ def dropped() -> Rows:
     yield case.row("contacts", 2.0 * PERIODS, contacts, 0.0)
     for i, episode in enumerate(floor.episodes):
         period = i // 2  # each has two contacts, which begin at 1 and 1 + 8/3
-        in_period = 1 + i % 2 * 8 / 3
+        in_period = 1 + (i % 2) * 8 / 3
         start = period * PERIOD + in_period
         impulse = floor.impulse_until(episode.force_end)
         impulse -= floor.impulse_until(episode.start)

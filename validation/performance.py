@@ -175,12 +175,14 @@ def godunov(v: Any, sigma: Any, first_cells: int, steps: int) -> float:
                 edge_sigma = (sigma[i] + sigma[i + 1] + v[i + 1] - v[i]) / 2
             next_v = edge_v  # velocity beyond the edge: another one at an open contact
             if i == first_cells - 1:
-                if gap > 0 or edge_sigma > 0:
+                is_open = gap > 0
+                would_pull = edge_sigma > 0
+                if is_open or would_pull:
                     edge_v = v[i] - sigma[i]
                     next_v = v[i + 1] + sigma[i + 1]
                     edge_sigma = 0.0
                     gap = max(0.0, gap + next_v - edge_v)
-                impulse -= edge_sigma
+                impulse -= edge_sigma  # compressive stress is negative
             v[i] = v[i] + edge_sigma - left_sigma
             sigma[i] = sigma[i] + edge_v - left_v
             left_v = next_v

@@ -75,6 +75,7 @@ def with_dispersion(incident: ri.Signal) -> BarModel:
     travel_time = GAUGE_DISTANCE / BAR.wave_speed
     pulse = without_dispersion(incident).pulse
     pulse = pulse.extended(DISPERSION_MARGIN, DISPERSION_MARGIN)
+    # The shift back takes off the travel time: only the change of shape is left.
     pulse = pulse.propagated(GAUGE_DISTANCE, BAR).shifted(-travel_time)
     times = np.arange(START, STOP + DISPERSED_TAIL, incident.dt)
     pulse = pulse.resampled(times=times)

@@ -181,7 +181,7 @@ def javascript(
     Returns
     -------
     str
-        JavaScript.
+        JavaScript: the tables, then the functions.
 
     Raises
     ------
@@ -510,9 +510,12 @@ class _Translator(ast.NodeVisitor):
         return self.generic_visit(node)  # a field: the template "Attribute"
 
     def visit_Subscript(self, node: ast.Subscript) -> str:
-        """Text of x[i], x.slice(i,j) for x[i:j], or x.at(-i) for x[-i]."""
+        """Text of x[i], x.slice(i,j) for x[i:j], or x.at(-i) for x[-i].
+
+        A slice without a start begins at 0. KeyError is raised for a slice with a step.
+        """
         match node.slice:
-            case ast.Slice(lower, upper):  # either bound may be None
+            case ast.Slice(lower, upper, None):  # either bound may be None, too
                 start = self.visit(lower or ast.Constant(0))
                 stop = self.part("upper", upper)
                 return f"{self.visit(node.value)}.slice({start},{stop})"
