@@ -96,8 +96,8 @@ def identical_rods() -> Rows:
 def rod_on_wall() -> Rows:
     """e, velocity, vibration and contact time of a steel rod of 1 m on a rigid wall.
 
-    The expected values are those of the textbook: e = 1, the velocity reversed, none, 2
-    L/c.
+    The expected values are those of the textbook: e = 1, the velocity reversed, no
+    vibration, and the time 2 L/c.
     """
     striker = rod(1.0, SPEED)
     outcome = ri.collide(striker, ri.Wall())

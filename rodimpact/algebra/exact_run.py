@@ -215,7 +215,9 @@ def _restitution(
     k = contacts[0]
     left = motions[k]
     right = motions[k + 1]
-    if not simulation.nodes[nodes[k]].episodes or left.before <= right.before:
+    has_pressed = simulation.nodes[nodes[k]].episodes > 0
+    bodies_approach = left.before > right.before
+    if not has_pressed or not bodies_approach:
         return None
     return (right.after - left.after) / (left.before - right.before)
 

@@ -217,9 +217,10 @@ class _TrappedRow(NamedTuple):
         area = impedance / float(material.density * material.wave_speed)
         trap = Rod(length, area=area, material=material)
         system = self.system
+        gap = max(self.gap, 0.0)  # round-off may make it negative
         return System(
             [*system.bodies, trap],
-            [*system.gaps, max(self.gap, 0.0)],
+            [*system.gaps, gap],
             [*system.contacts, Rigid()],
             gravity=system.gravity,
             ends=system.ends,

@@ -328,7 +328,10 @@ class Fit(Shown):
         return rows
 
     def _table_of_correlations(self) -> list[list[str]]:
-        """Correlations below the diagonal of their matrix, by number; header first."""
+        """Correlations below the diagonal of their matrix, by number; header first.
+
+        The last number needs no column: each pair of numbers occurs once.
+        """
         columns = len(self.fitted) - 1
         correlation = self.correlation
         rows = [["correlation", *map(str, range(1, columns + 1))]]

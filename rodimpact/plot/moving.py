@@ -423,9 +423,9 @@ def animation(
     fps : float
         Frames a second, 1 to 50.
     start, stop : float
-        Interval of time, s; by default the whole solution. If it has more than 20 000
-        regions of constant state, the first half, quarter, ... is shown, and the
-        picture states this.
+        Interval of time, s. By default it is the whole solution, or its first half,
+        quarter, ... if it has more than 20 000 regions of constant state; the picture
+        states this.
     magnification : float, optional
         Factor of displacements and gaps; by default chosen as in `spacetime`.
 
