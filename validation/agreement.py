@@ -108,7 +108,10 @@ def random_transit_time(rng: Generator, whole_number: bool) -> float:
 
 
 def random_row(rng: Generator, whole_numbers: bool) -> ri.System:
-    """Random row of two to four moving rods with gaps; each end may have a wall."""
+    """Random row of two to four moving rods with gaps; each end may have a wall.
+
+    The transit times are whole numbers if `whole_numbers`.
+    """
     bodies: list[ri.Rod | ri.Wall] = []
     for _ in range(rng.integers(2, 5)):
         transit_time = random_transit_time(rng, whole_numbers)

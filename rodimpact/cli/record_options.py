@@ -116,8 +116,9 @@ def _read_files(args: Arguments) -> dict[str, Signal]:
     """Channels of all files of the record.
 
     A single file gives the channels their names. If there are several files, the name
-    is FILE, or FILE.CHANNEL for a file with several channels. The result is empty, and
-    a problem is added, if a file cannot be read.
+    is FILE, or FILE.CHANNEL for a file with several channels; FILE is without folder
+    and suffix, and a problem is added if two files share it. The result is empty, and a
+    problem is added, if a file cannot be read.
     """
     signals: dict[str, Signal] = {}
     for path in args.record:

@@ -167,6 +167,7 @@ def _check_bodies(bar: Rod, material: Material, contact: object) -> None:
     The bar must be a single uniform rod at rest, the material without viscosity.
     """
     is_family = System([bar]).shape != ()
+    # A family is refused first: its velocities may be arrays, which `or` does not take.
     if len(bar.segments) != 1 or is_family or bar.velocity or bar.strain:
         raise invalid_argument(
             "bar", f"must be a single uniform rod at rest, got {shown(bar)}"

@@ -47,7 +47,10 @@ def overview(solution: Solution, gauges: Mapping[str, Gauge] | None = None) -> F
     """Draw velocity and stress in space and time, contacts, and energy.
 
     Up to three contacts are drawn with force and gap, more contacts only with their
-    forces, one above the other. The page makes its own figure and takes no Axes.
+    forces, one above the other; only contacts that can open are drawn. A row without
+    rods has no pictures in space and time. If these pictures end before the solution,
+    since it has very many regions, a note says so. The page makes its own figure and
+    takes no Axes.
 
     Parameters
     ----------
