@@ -182,6 +182,7 @@ def _directions(dimensions: int) -> Any:
     directions = rng.uniform(-1, 1, (DIRECTIONS, dimensions))
     # A small random part keeps the components of the first one out of simple ratios.
     directions[0] = np.linspace(1, 2, dimensions) + directions[0] / 1000
+    # Rounded to short fractions, so that runs on fractions stay short.
     return np.round(directions * DIRECTION_DENOMINATOR) / DIRECTION_DENOMINATOR
 
 

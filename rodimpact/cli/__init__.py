@@ -309,7 +309,7 @@ def _program_parser() -> argparse.ArgumentParser:
 def _new_parser(
     prog: str, description: str | None, epilog: str | None = None
 ) -> argparse.ArgumentParser:
-    """A parser that keeps the lines of its texts, and takes whole options only."""
+    """A parser that keeps the lines of its texts, and takes no abbreviated options."""
     return _Parser(
         prog=prog,
         description=description,

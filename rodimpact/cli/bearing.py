@@ -70,7 +70,8 @@ def run(args: Arguments) -> CommandResult:
     """Bearing graph of the pile: check all arguments, solve a blow for each resistance.
 
     The figure is written if it is asked for. The result is a table, CSV or JSON; its
-    status is INCOMPLETE if a blow did not come to its end.
+    status is that of writing the figure, or INCOMPLETE if a blow did not come to its
+    end. InvalidModel is raised for mistakes in the arguments, before any blow.
     """
     case = args.read_case()
     resistances = _resistances(args)

@@ -112,9 +112,10 @@ def energy(solution: Solution, ax: Axes | None = None) -> Picture:
 def draft_energy(solution: Solution, ax: Axes | None, count: int) -> Draft:
     """Draft of `energy`: the bands and the line of work, without names in the bands.
 
-    If the row has rods, energies are measured at `count` even times, and at events. The
-    line is drawn only if walls, drives, gravity or entering waves do work. The
-    vertical axis begins at 0; its label names the frame if the row drifts.
+    Energies are measured at `count` even times, or `TIMES_OF_MASSES` if the row has no
+    rods, and at events. The line is drawn only if walls, drives, gravity or entering
+    waves do work. The vertical axis begins at 0; its label names the frame if the row
+    drifts.
     """
     check_solution(solution)
     ax = axes_or_new(ax, width=5.6, height=3.2)
