@@ -98,7 +98,7 @@ def mode(ends: Ends, n: int) -> Rows:
 
     Only this mode is started. The velocity is that at a crest of the mode.
     """
-    youngs_modulus = 1.0
+    youngs_modulus = 1.0  # so that the viscosity is TAU
     k = (n - ends.shift) * math.pi  # wave number; the rod has the length 1
     x = np.linspace(0.0, 1.0, 8001)
     velocity = ri.Samples(ends.shape(k * x))

@@ -105,7 +105,7 @@ def velocity_by_modes(x: float, t: float) -> float:
     It is the sum over modes in the docstring of this file.
     """
     D = 10.0
-    l = NU * GYRATION
+    l = NU * GYRATION  # length in the dispersion of Rayleigh and Love, m
     k = np.arange(1, 60_000) * math.pi / D
     inertia = 1 + (k * l) ** 2
     omega = C * k / np.sqrt(inertia)

@@ -44,7 +44,10 @@ class SymbolWords:
     """
 
     def __init__(self, system: System, symbols: Sequence[str]) -> None:
-        """Store the symbols, and the material's path of each number that has one."""
+        """Store the symbols, and the path by its material of each number that has one.
+
+        Such a path is ``materials.steel.density``.
+        """
         self.symbols = list(symbols)
         self._material_path_of: dict[str, str] = {}
         for path, entries in entries_by_path(system).items():
@@ -282,6 +285,7 @@ class _SymbolSource:
         # stands for both E and rho there.
         self._asked_paths.append(f"{path}.density")
         number = self._number_of_material(path, material)
+        # E and rho are names, or values of numbers without a name.
         E = self._name_or_value(
             f"E{number}", f"{path}.youngs_modulus", material.youngs_modulus
         )
