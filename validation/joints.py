@@ -222,6 +222,7 @@ def stretch_by_modes(t: np.ndarray) -> np.ndarray:
     It is the sum of 5000 modes.
     """
     w, shapes, masses = modes(MODES_OF_SUM)
+    # Modal momentum of rod 1: the integral of its shape times mass per time, Z
     momentum = IMPEDANCES[0] * shapes[0] * np.sin(w * TRANSIT_TIMES[0]) / w
     amplitudes = momentum / (masses * w) / STIFFNESS
     stretches = [amplitudes @ np.sin(w * time) for time in t]

@@ -83,7 +83,7 @@ def peak_forces() -> Rows:
     yield case.row("impulse, N s", 9.5, impulse, 1e-14, detail="0.5 kg times 19 m/s")
     for T, peak in PEAK_FORCES.items():
         contact = f"contact of {T:g} s"
-        computed_peak = 2 * impulse / T
+        computed_peak = 2 * impulse / T  # a raised cosine has half its peak as mean
         round_off = 1e-15 * peak
         yield case.row(f"peak force, {contact}, N", peak, computed_peak, round_off)
         integral = raised_cosine_impulse(peak, T)
@@ -97,8 +97,8 @@ def heavy_basketball_error() -> np.ndarray:
     The basketball is 1e12 times as heavy. The limit is (e1 + e2 + e1 e2)^2, for e1 and
     e2 from 0 to 1, [e2, e1].
     """
-    places = np.linspace(0, 1, 11)
-    e1, e2 = np.meshgrid(places, places)
+    from_0_to_1 = np.linspace(0, 1, 11)
+    e1, e2 = np.meshgrid(from_0_to_1, from_0_to_1)
     restitutions = np.stack([e2, e1], axis=-1)
     drop = rigid.stack_drop([1.0, 1e-12], restitutions, HEIGHT)
     limit = (e1 + e2 + e1 * e2) ** 2

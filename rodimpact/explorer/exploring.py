@@ -201,6 +201,7 @@ def explore(case: System | Case) -> Page:
         "materials": LIBRARY,
         "presets": preset_tables(),
     }
+    # The name of a file may have bytes that are no text.
     title = os.fsencode(Path(case.path).stem).decode(errors="replace")
     if not title:
         title = DEFAULT_TITLE
