@@ -97,6 +97,7 @@ def glued_pulse(ratios: Floats, round_trips: int) -> Floats:
     sums = ratios[:-1] + ratios[1:]
     forces = []
     for half in range(2 * round_trips):  # half a round trip is one transit
+        # No wave arrives in the bar (b = 0): its force over Z V is its velocity over V.
         force = towards[0] / (1 / ratios[0] + 1)
         if half % 2 == 0:
             forces.append(force)

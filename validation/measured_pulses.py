@@ -360,10 +360,11 @@ def at_specimen(signal: ri.Signal, window: Span, distance: float, shot: Shot) ->
 
 
 def equilibrium(shot: Shot) -> float:
-    """Misfit of the forces at the specimen, %.
+    """Misfit of the forces at the specimen, % of the plateau of the incident pulse.
 
-    The force of incident and reflected pulse must be that of the transmitted pulse. The
-    misfit is least over times and gains of the latter two, within their freedom.
+    It is a root mean square over the time of the plateau. The force of incident and
+    reflected pulse must be that of the transmitted pulse. The misfit is the least over
+    delays and gains of the reflected and the transmitted pulse, within their freedom.
     """
     first, last = record(shot)
     to_first, to_last = shot.to_specimen
