@@ -172,7 +172,7 @@ def run(args: Arguments) -> CommandResult:
 
 
 def _check_direct_impact(args: Arguments, bodies: set[int], is_cut: bool) -> None:
-    """Add a problem unless all gauges are on one bar, behind the striker.
+    """Add a problem unless all gauges are on one bar that has a body before it.
 
     Cut pulses or --equal-forces together with --direct-impact are a problem, too.
     """
