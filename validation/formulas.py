@@ -45,7 +45,10 @@ def run() -> Rows:
 
 
 def box() -> Rows:
-    """Formula and cell of rods of one material and area, lengths 2 : 5: e = l1/l2."""
+    """Formula and cell of rods of one material and area, lengths 2 : 5: e = l1/l2.
+
+    The only inequality of the cell is l1 < l2. Rows count wrong results.
+    """
     first = rod(2, velocity=1.0)
     second = rod(5)
     system = ri.System([first, second])

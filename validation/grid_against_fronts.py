@@ -152,7 +152,10 @@ def strained_rods() -> ri.System:
 
 
 def meeting_twice() -> dict[str, ri.System]:
-    """Pairs of stepped rods that meet again after they have parted."""
+    """Pairs of rods, by name, that meet again after they have parted.
+
+    The left rod is stepped and moves at 1, the right one rests.
+    """
     first = rod(segment(1.9, 1, 0.69), segment(0.9, 1.1, 0.28), velocity=1.0)
     second = rod(segment(2, 1.2, 0.59), segment(0.3, 1.3, 0.29), segment(2.9, 1, 0.85))
     stepped = rod(

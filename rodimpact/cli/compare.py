@@ -290,7 +290,10 @@ def _pulse_entries(pulse: Pulse | None) -> dict[str, Any] | None:
 
 
 def _draw(comparisons: dict[str, Comparison], plot: Any) -> Any:
-    """Draw all channels side by side; return the first Axes, to save the figure by."""
+    """Draw all channels side by side; return the first Axes, to save the figure by.
+
+    Each has the shift of its misfit, and the scale too if both signals have one unit.
+    """
     from ..plot.records import side_by_side
 
     pairs = side_by_side(len(comparisons))

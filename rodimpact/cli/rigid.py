@@ -28,7 +28,10 @@ HEADER = [
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add options: two masses, two velocities, e, --energy-release and --json."""
+    """Add options: two masses, two velocities, e, --energy-release and --json.
+
+    The five numbers are required.
+    """
     for i, side in ((1, "left"), (2, "right")):
         parser.add_argument(
             f"--m{i}",

@@ -469,7 +469,10 @@ def animation(
 
 
 def check_frames(frames: int, fps: float) -> None:
-    """Raise ValueError unless `frames` is a whole number, and both are in range."""
+    """Raise ValueError unless `frames` is a whole number, and both are in range.
+
+    `frames` may be 2 to `MAX_FRAMES`, `fps` 1 to `MAX_FRAMES_PER_SECOND`.
+    """
     count = scalar("frames", frames, "")
     rate = scalar("fps", fps, "")
     if not 2 <= count <= MAX_FRAMES or count != int(count):
