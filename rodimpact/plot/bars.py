@@ -235,9 +235,10 @@ class Bars:
         # Jumps from each piece to the next, dv and c d(strain), m/s
         velocity_jump = np.diff(pieces.velocity)
         strain_jump = pieces.speed[1:] * np.diff(pieces.strain)
-        is_front = np.isclose(
+        is_equal = np.isclose(
             abs(velocity_jump), abs(strain_jump), rtol=ONE_WAY_RTOL, atol=0.0
         )
+        is_front = is_equal & (velocity_jump != 0)
         triangles: list[Line2D] = []
         # Only jumps inside one segment count, not those between rods or rows.
         for i in np.flatnonzero(is_front & _continues_segment(pieces)):

@@ -78,7 +78,8 @@ def bearing(graph: BearingGraph, ax: Sequence[Axes] | None = None) -> Picture:
     compression = graph["compression"][order]
     tension = graph["tension"][order]
     force = engineering("ultimate resistance", largest_of(resistance), "N")
-    stress = engineering("largest stress", largest_of(compression), "Pa")
+    largest_stress = max(largest_of(compression), largest_of(tension))
+    stress = engineering("largest stress", largest_stress, "Pa")
 
     # What is drawn.
     x = resistance * force.factor
@@ -101,7 +102,7 @@ def bearing(graph: BearingGraph, ax: Sequence[Axes] | None = None) -> Picture:
         curves,
         xlim=(0, HEADROOM * float(x.max())),
         xlabel=force.label,
-        ylim=(0, HEADROOM * largest_of(compression) * stress.factor),
+        ylim=(0, HEADROOM * largest_stress * stress.factor),
         ylabel=stress.label,
     )
     for each in (blow_ax, stress_ax):
