@@ -114,7 +114,7 @@ class Row:
         return list(pairwise(parts))  # a link joins each pair of neighbours
 
     @cached_property
-    def by_law(self) -> dict[int, int]:
+    def unbonded_links(self) -> dict[int, int]:
         """Index of the link of each contact that is not bonded, by contact.
 
         The force of such a contact follows from a law.
@@ -127,7 +127,8 @@ class Row:
     def unilateral_links(self) -> dict[int, int]:
         """Index of the link of each contact that can open, by contact."""
         # In `Law`, joints precede RIGID, and all other contacts follow it.
-        return {k: i for k, i in self.by_law.items() if self.links[i].law >= Law.RIGID}
+        links = self.unbonded_links
+        return {k: i for k, i in links.items() if self.links[i].law >= Law.RIGID}
 
     def boundary_name(self, side: int) -> str:
         """Name of the action on the left (0) or right (1) end.

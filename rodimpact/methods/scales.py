@@ -236,7 +236,7 @@ def stiffness_problems(row: Any) -> list[tuple[Any, str, str]]:
     """
     transit: Any = largest([s.transit_time for s in row.segments])
     problems = []
-    for k, i in row.by_law.items():  # contact k is link i
+    for k, i in row.unbonded_links.items():  # contact k is link i
         link = row.links[i]
         # k d^(p - 1), over the stiffness impedance/transit of the rods
         stiffness_ratio = (

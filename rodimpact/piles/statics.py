@@ -204,11 +204,11 @@ def _contacts(
     system = row.system
     linear = []
     rigid = []
-    for k, link in row.by_law.items():
+    for k, link in row.unbonded_links.items():
         law = system.contacts[k]
         if not _can_bear(system, is_moving, k):
             continue
-        _, right_node = mesh.touching[link]  # the nodes on both sides
+        _, right_node = mesh.link_nodes[link]  # the nodes on both sides
         stiffness = 0.0  # a rigid one gets its stiffness below
         if isinstance(law, Joint | Spring | SpringDashpot | Plastic):
             linear_law: Any = law

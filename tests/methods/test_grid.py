@@ -651,7 +651,7 @@ def test_every_known_error_is_stated_and_rough_ones_are_not_waited_for(
     rtol, 1e-3; those of peak force and duration may stay rough.
     """
     estimates = {"velocity": velocity, "peak force": peak, "duration": 0.02}
-    row = SimpleNamespace(by_law={0: 1})  # it has one contact
+    row = SimpleNamespace(unbonded_links={0: 1})  # it has one contact
     run = SimpleNamespace(rtol=1e-3, row=row, estimates=estimates)
 
     sentence = _accuracy_sentence(run)

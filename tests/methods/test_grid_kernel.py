@@ -559,8 +559,8 @@ def test_an_end_is_where_the_proof_says_and_stays_within_its_bound(seed, mirrore
     solution = solution_of(reference_run)
     at_start = solution.displacement(body, x, 0.0)
     run = grid_run(system, room=400)
-    touching = run.mesh.touching.values()
-    left_node, right_node = next(iter(touching))
+    link_nodes = run.mesh.link_nodes.values()
+    left_node, right_node = next(iter(link_nodes))
     node = left_node if right_end else right_node
 
     run.advance(0)

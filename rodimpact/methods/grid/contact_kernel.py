@@ -300,7 +300,7 @@ def start_impacts(links: Any, first: int, last: int, tolerance: float) -> bool:
         w = closing_without_own_force(links, i) - link.force * link.self_mobility
         is_waiting = link.max_closing == math.inf  # an impact that has not begun
         if is_waiting and link.gap - w < -tolerance:
-            u = link.initial_closing
+            u = link.old_closing
             link.max_closing = 0.0
             if u > tolerance:
                 link.max_closing = (1 - link.restitution) * u / 2
@@ -324,7 +324,7 @@ def updated_gap(link: Link, w: float, tolerance: float) -> float:
     gap: float
     if link.law == Law.RIGID:
         # w is the mean of the closing velocities before and after the step.
-        final_closing = 2 * w - link.initial_closing
+        final_closing = 2 * w - link.old_closing
         opens = link.force <= 0 and final_closing < -tolerance
         if link.is_closed == 0:
             gap = link.gap - w
@@ -332,9 +332,9 @@ def updated_gap(link: Link, w: float, tolerance: float) -> float:
                 link.is_closed = 1
         elif opens:
             # The kick in the middle of the step opens it. In the second half of the
-            # step the gap grows to -final_closing/2, which is initial_closing/2 - w.
+            # step the gap grows to -final_closing/2, which is old_closing/2 - w.
             link.is_closed = 0
-            gap = link.initial_closing / 2 - w
+            gap = link.old_closing / 2 - w
         else:  # it stays closed
             gap = 0.0
     elif link.law == Law.IMPACT:

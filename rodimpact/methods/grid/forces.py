@@ -20,7 +20,7 @@ def contact_forces(run: GridRun, left: BoundaryAction | None) -> list[Floats]:
     row = run.row
     forces: list[Floats | None] = []
     for k, link in enumerate(row.contact_link):
-        if k in row.by_law:  # a contact or a joint, whose force is recorded
+        if k in row.unbonded_links:  # a contact or a joint, whose force is recorded
             force, _ = run.contact(k)
             forces.append(force)
         elif link < 0:
@@ -61,7 +61,7 @@ def outside_of(run: GridRun, side: int) -> BoundaryAction | None:
     mean_velocity = (v[:-1] + v[1:]) / 2  # over each step [step]
     # Force on a pushed end, or wave that an endless bar sends [step]
     given = run.history.prescribed[:, side]
-    if link in run.mesh.touching:  # a wall with a contact or a joint
+    if link in run.mesh.link_nodes:  # a wall with a contact or a joint
         force = run.recorded(link, "force")
     elif kind == "velocity":  # a wall that is bonded to the row, or a moved end
         force = run.bond_force(link)

@@ -91,8 +91,8 @@ def run_steps(grid: Any, history: Any, until: int) -> bool:
     shear = borrowed(grid.shear)
     links = borrowed(grid.links)
     ends = borrowed(grid.ends)
-    watched = borrowed(grid.watched)
-    pulled = borrowed(grid.pulled)
+    recorded_nodes = borrowed(grid.recorded_nodes)
+    recorded_cells = borrowed(grid.recorded_cells)
     soil = borrowed(grid.soil)
     off_diagonal = borrowed(grid.off_diagonal)
     diagonal = borrowed(grid.diagonal)
@@ -174,8 +174,8 @@ def run_steps(grid: Any, history: Any, until: int) -> bool:
         if run.is_implicit > 0:
             dissipate(v, old_velocity, viscous, lost)
         soil_kernel.record_soil(run, soil, v, old_velocity, shafts)
-        store_selected(run, v, watched, velocities)
-        store_selected(run, force, pulled, tensions)
+        store_selected(run, v, recorded_nodes, velocities)
+        store_selected(run, force, recorded_cells, tensions)
         run.step += 1
 
 
@@ -253,15 +253,15 @@ def keep_pieces(
 
 
 def set_step_inputs(run: Run, v: Any, links: Any, ends: Any, prescribed: Any) -> None:
-    """Set `initial_closing` of the links and `prescribed` of both ends for this step.
+    """Set `old_closing` of the links and `prescribed` of both ends for this step.
 
-    `initial_closing` is the closing velocity at the start of the step, from the
-    velocities v. The values of both ends are the row of this step in `prescribed`
+    `old_closing` is the closing velocity before the step, from the velocities v. The
+    values of both ends are the row of this step in `prescribed`
     [step of the window, side], which is flat.
     """
     for i in range(len(links)):
         link = links[i]
-        link.initial_closing = v[link.left_node] - v[link.right_node]
+        link.old_closing = v[link.left_node] - v[link.right_node]
     row = run.step - run.first_step  # row of this step, of 2 entries
     for side in range(2):
         ends[side].prescribed = prescribed[2 * row + side]
@@ -445,10 +445,10 @@ def solve_contact_chain(run: Run, v: Any, links: Any, first: int) -> bool:
         link = links[i]
         left = v[link.left_node]
         right = v[link.right_node]
-        speed = max(speed, abs(left) + abs(right) + abs(link.initial_closing))
+        speed = max(speed, abs(left) + abs(right) + abs(link.old_closing))
         # The closing of a step is the mean of the closing velocities before and after
         # the step.
-        link.force_free_closing = (link.initial_closing + left - right) / 2
+        link.force_free_closing = (link.old_closing + left - right) / 2
         link.force_slope = 0.0
         # First guess: the link closes as much as in the step before.
         link.overlap = link.closing - link.gap
@@ -460,9 +460,9 @@ def solve_contact_chain(run: Run, v: Any, links: Any, first: int) -> bool:
             # u1 between them, their closings (u + u1)/2 and u1/2 add up to the gap: the
             # first is gap/2 + u/4.
             if link.is_closed == 1:
-                max_closing = link.initial_closing / 2
+                max_closing = link.old_closing / 2
             else:
-                max_closing = link.gap / 2 + link.initial_closing / 4
+                max_closing = link.gap / 2 + link.old_closing / 4
             link.max_closing = max(max_closing, 0.0)
     # If the forces make another impact begin, all forces change: solve again. If the
     # chain is not solved once, the result is False.
@@ -488,8 +488,8 @@ def push_pieces(
     """
     for i in range(len(links)):
         link = links[i]
-        is_stiff = link.law == Law.RIGID or link.law == Law.IMPACT
-        if is_stiff and link.force * link.self_mobility <= tolerance:
+        has_max_closing = link.law == Law.RIGID or link.law == Law.IMPACT
+        if has_max_closing and link.force * link.self_mobility <= tolerance:
             link.force = 0.0
         if link.force != 0:
             # A force pushes the piece on its left, at the last node of this piece, to
@@ -511,19 +511,19 @@ def record_links(run: Run, v: Any, links: Any, signals: Any) -> None:
     The mean force and closing of this step and the gap at its end are written to
     `signals` [step of the window, link], which is flat. v are the velocities at the end
     of the step. In the first step of the run the force `initial_force` of a contact
-    that closed at t = 0 is added in the signal, and its closing is such that force
-    times closing is the work. `updated_gap` also sets `is_closed` of rigid contacts and
-    the yield force.
+    that closed at t = 0 is added in the signal, and its recorded closing is such that
+    force times closing is the energy that the bodies lost. `updated_gap` also sets
+    `is_closed` of rigid contacts and the yield force.
     """
     for i in range(len(links)):
         link = links[i]
         gap_before = link.gap
-        link.closing = (
-            link.initial_closing + v[link.left_node] - v[link.right_node]
-        ) / 2
-        is_stiff = link.law == Law.RIGID or link.law == Law.IMPACT
-        if is_stiff and link.force > 0:
-            link.closing = link.max_closing  # the same without round-off
+        # Mean of the closing velocities before and after the step
+        link.closing = (link.old_closing + v[link.left_node] - v[link.right_node]) / 2
+        has_max_closing = link.law == Law.RIGID or link.law == Law.IMPACT
+        if has_max_closing and link.force > 0:
+            # A force holds the closing at this value: the same without round-off.
+            link.closing = link.max_closing
         link.gap = contacts.updated_gap(link, link.closing, run.velocity_tolerance)
         row = run.step - run.first_step  # row of this step in `signals`
         signal = signals[row * len(links) + i]
@@ -536,9 +536,10 @@ def record_links(run: Run, v: Any, links: Any, signals: Any) -> None:
         else:
             signal.closing = gap_before - link.gap
         if run.step == 0 and link.initial_force > 0:
-            work = link.initial_loss + link.force * link.closing
+            # Energy lost in the link: by `initial_force`, and the work of its own force
+            lost = link.initial_loss + link.force * link.closing
             signal.force = link.force + link.initial_force
-            signal.closing = work / signal.force
+            signal.closing = lost / signal.force
 
 
 def dissipate(v: Any, old_velocity: Any, viscous: Any, lost: Any) -> None:

@@ -57,6 +57,8 @@ def largest_force(force: Floats) -> float:
     # two zeros, the top step has the index top + 2.
     before_2, before, F, after, after_2 = np.pad(force, 2)[top : top + 5].tolist()
     central = _parabola(before, F, after)
+    # A parabola on one side with less curvature than this shows that there is a jump or
+    # a kink in the steps of the central one.
     max_curvature = abs(central.curve) / KINK_CURVATURE_RATIO
     one_sided = _one_sided_parabola(
         F, ((after, after_2), (before, before_2)), max_curvature
@@ -64,7 +66,7 @@ def largest_force(force: Floats) -> float:
     if one_sided is None:
         # The top step is the second one of this parabola.
         vertex = _vertex_between(central, begin=1, end=2)
-        without_vertex = F
+        without_vertex = F  # the result if there is no vertex in the top step
     else:
         # The top step is the first one of this parabola.
         vertex = _vertex_between(one_sided, begin=0, end=1)
@@ -83,15 +85,17 @@ def _one_sided_parabola(
 
     F is the mean of the top step, N. Each of `sides` has the means of the next step on
     this side and of the step after that. t is counted from the top step towards this
-    side. A parabola is accepted if its curvature is less than `max_curvature` and it is
-    smooth: nearly straight, or constant to round-off. If both are accepted, the less
-    curved one is returned; if none is, None.
+    side. The curvature of a parabola is here its absolute factor of t^2. A parabola is
+    accepted if its curvature is less than `max_curvature` and it is smooth: nearly
+    straight, or constant to round-off. If both are accepted, the less curved one is
+    returned; if none is, None.
     """
     chosen = None
     for second, third in sides:
         parabola = _parabola(F, second, third)
         curvature = abs(parabola.curve)
-        # The slope changes by 2 curvature in a step: by less than the mean does.
+        # The slope changes by 2 curvature in a step; it must change by less than the
+        # mean does.
         is_nearly_straight = curvature < abs(F - second) / 2
         is_flat = curvature <= FLAT_RTOL * F  # constant to round-off
         is_smooth = is_nearly_straight or is_flat
@@ -150,12 +154,18 @@ def contact_intervals(force: Floats, gap: Floats, open_gap: float) -> Floats:
         begin = begin_of_force(force, gap, first)
         end = math.nan
         if stop < len(force):  # the force ends before the run does
+            # Both times are extrapolated: round-off might exchange them.
             end = max(begin, end_of_force(force, gap, first, stop))
         opening = math.nan
-        # Index of the first step end with an open gap from `stop` on, if there is one
+        # First entry of `open_ends` at or after `stop`, the end of the last step with
+        # force
         i = np.searchsorted(open_ends, stop)
+        # An index of a step is also that of the step end at which it begins: the gap
+        # may open up to the start of the next force.
         if i < len(open_ends) and open_ends[i] <= next_force:
-            opening = _opening(gap, int(open_ends[i]), open_gap, end)
+            open_end = int(open_ends[i])
+            # Not before `end`; this is nan if the force acts in the last step.
+            opening = _opening(gap, open_end, open_gap, force_end=end)
         intervals.append((begin, end, opening))
     return np.array(intervals).reshape(-1, 3)
 
@@ -179,14 +189,15 @@ def episodes_from_intervals(intervals: Floats) -> tuple[Episode, ...]:
 def begin_of_force(force: Floats, gap: Floats, i: int) -> float:
     """Time at which a force begins whose first step with a mean > 0 is i, in steps.
 
-    The gap at the start of step i is extrapolated at the rate of the step before: the
-    force begins when it becomes 0. If the gap is not open then, or does not close
-    within `MAX_CLOSING_STEPS`, the force begins with step i. If the force in step i is
-    only round-off of that in the next step, it begins with the next step.
+    The gap at the start of step i is extrapolated at the rate of the step before, for
+    i = 0 at the rate of step 0: the force begins when the gap becomes 0. If the gap is
+    not open at the start of step i, or does not close within `MAX_CLOSING_STEPS`, the
+    force begins with step i. If the force in step i is only round-off of that in the
+    next step, it begins with the next step.
     """
     if i + 1 < len(force) and force[i] <= NEGLIGIBLE_FORCE_RATIO * force[i + 1]:
         return i + 1.0  # start of the next step
-    before = max(i - 1, 0)  # the step before, or the first step
+    before = max(i - 1, 0)  # the step before; step 0 has none
     fall_per_step = gap[before] - gap[before + 1]
     # gap[i] is at the start of step i.
     if 0 < gap[i] < MAX_CLOSING_STEPS * fall_per_step:
@@ -199,16 +210,18 @@ def end_of_force(force: Floats, gap: Floats, i: int, j: int) -> float:
 
     It depends on the gaps at the start and at the end of the last step, j - 1:
 
-    - An overlap, then a gap: the force of a compliant contact ends when the overlap
-      becomes 0, see `_closing_share`.
-    - An overlap at both: the contact has a dashpot, see `_end_of_dashpot`.
+    - An overlap, then a gap > 0: the force of a compliant contact ends when the overlap
+      becomes 0, see `_share_with_overlap`.
+    - An overlap, then no gap (an overlap or 0): the contact has a dashpot, see
+      `_end_of_dashpot`.
     - No overlap at the start: the contact is rigid, see `_end_of_rigid_contact`.
     """
     begin = j - 1  # start of the last step with force, a time and its index in `gap`
     gap_at_begin = float(gap[begin])
     gap_at_end = float(gap[j])
     if gap_at_begin < 0 < gap_at_end:  # the overlap ends inside the step
-        return begin + _closing_share(gap, i, j)
+        share = _share_with_overlap(gap, i, j)  # fraction of the step
+        return begin + share
     if gap_at_begin < 0:
         return _end_of_dashpot(force, i, j)
     return _end_of_rigid_contact(force, i, j)
@@ -237,13 +250,15 @@ def _end_of_dashpot(force: Floats, i: int, j: int) -> float:
 def _end_of_rigid_contact(force: Floats, i: int, j: int) -> float:
     """Time at which the force of a rigid contact ends that acts in steps i to j - 1.
 
-    The time is in steps. If the last three means fall evenly, the force ends where the
-    line through the last two means reaches 0, at most half a step after step j - 1.
-    Otherwise the force drops to 0 inside this step, after the fraction `share_of_jump`.
+    The time is in steps. If the last three means fall evenly (the last fall is half to
+    twice the fall before), the force ends where the line through the last two means
+    reaches 0, at most half a step after step j - 1. If they do not, or if this line
+    ends later, the force drops to 0 inside step j - 1, after the fraction
+    `share_of_jump` of it.
     """
     begin = j - 1  # start of the last step
     if j - i >= 3:
-        third_last, second_last, last = force[begin - 2 : j].tolist()
+        third_last, second_last, last = force[j - 3 : j].tolist()
         fall = third_last - second_last
         last_fall = second_last - last
         # The last fall is at least half and at most twice the fall before.
@@ -256,7 +271,7 @@ def _end_of_rigid_contact(force: Floats, i: int, j: int) -> float:
     return begin + share_of_jump(last_means)
 
 
-def _closing_share(gap: Floats, i: int, j: int) -> float:
+def _share_with_overlap(gap: Floats, i: int, j: int) -> float:
     """Fraction of step j - 1 after which the overlap at its start has become 0.
 
     The overlap must end in this step: gap[j - 1] < 0 < gap[j]. The force began in step
@@ -269,7 +284,8 @@ def _closing_share(gap: Floats, i: int, j: int) -> float:
     rise = float(gap[j]) - first_gap  # in step j - 1
     curve = 0.0
     if j - i >= 3:
-        # At s = -1 the parabola has the gap first_gap - rise_before.
+        # At s = -1 the parabola has the gap first_gap - rise_before, so that
+        # slope - curve = rise_before/rise.
         rise_before = first_gap - float(gap[j - 2])
         curve = (1 - rise_before / rise) / 2
     slope = 1 - curve
@@ -285,11 +301,11 @@ def share_of_jump(force: Floats) -> float:
     `force` are the last means, from one to four; Fm is the last one. Fe is extrapolated
     from the means before: along the line through the last two of them if they are
     smooth, else it is the last of them. The fraction is 1 if there are no means before,
-    or if Fe - Fm is at most twice the curvature of the means before.
+    or if Fe - Fm is at most twice the absolute second difference of the means before.
     """
     *before, last = force.tolist()
     extrapolated = 0.0  # without means before the last one the fraction is 1
-    curvature = 0.0
+    second_difference = 0.0
     is_smooth = False
     if before:
         extrapolated = before[-1]
@@ -297,9 +313,9 @@ def share_of_jump(force: Floats) -> float:
         is_smooth = len(before) > 1 and variation <= JUMP_RATIO * before[-1]
     if is_smooth:
         extrapolated = 2 * before[-1] - before[-2]
-        # Second difference of three means; 0 for two means
-        curvature = float(np.abs(np.diff(before, 2)).sum())
-    if extrapolated - last <= 2 * curvature:
+        # That of three means; two means have none, and the empty sum is 0.
+        second_difference = float(np.abs(np.diff(before, 2)).sum())
+    if extrapolated - last <= 2 * second_difference:
         return 1.0
     return float(last / extrapolated)
 

@@ -118,11 +118,11 @@ class GridMotion(NamedTuple):
         It is (tension - b q)/k with the stiffness k, the radial strain q and the
         coupling b of a cell, and 0 in cells without stiffness, as between pieces.
         """
-        force = self.force
-        if self.radial.size:
+        tension = self.force
+        if self.radial.size:  # some cells have a radial strain
             # `radial` holds q/step.
-            force = force - self.cells.coupling * self.radial * step
-        return quotient(force, self.cells.stiffness)
+            tension = tension - self.cells.coupling * self.radial * step
+        return quotient(tension, self.cells.stiffness)
 
     def energies(
         self, nodes: slice, mass: Array, state: int, v: Array, step: float
@@ -211,7 +211,7 @@ class Mesh:
     shear_stiffness : [node] array
         Shear stiffness between the radial strains of the two cells beside a node, N m:
         half of each cell in series.
-    touching : dict of int to (int, int)
+    link_nodes : dict of int to (int, int)
         Nodes on the left and on the right of each contact or joint, by the number of
         the link in the row, from left to right.
     ends, end_cells : list of int
@@ -220,7 +220,7 @@ class Mesh:
     bonds : dict of int to (int, int)
         Node of each bonded link whose force is recorded, and the cell of a rod beside
         it, by the number of the link in the row.
-    watched, pulled : list of int
+    recorded_nodes, recorded_cells : list of int
         Nodes whose velocities, and cells whose tensions, are recorded in each step.
     groups : list of (int, int)
         First and last node of each group of pieces with joints between them.
@@ -241,25 +241,26 @@ class Mesh:
 
         All attributes are set. Pieces end at contacts and joints, groups at contacts
         only. The nodes of rigid masses, both ends, and the nodes of cells whose
-        tensions are recorded are watched. InvalidModel is raised if cells are coupled
-        too strongly.
+        tensions are recorded are `recorded_nodes`. InvalidModel is raised if cells are
+        coupled too strongly.
         """
         self.row = row
         self.counts = counts
         self.first = [-1]  # entry 0 is not used, as segments count from 1
         self.last = [-1]
         self.node_of_mass: list[int] = []
-        self.touching: dict[int, tuple[int, int]] = {}
+        self.link_nodes: dict[int, tuple[int, int]] = {}
         self.bonds: dict[int, tuple[int, int]] = {}
         driven = []  # sides whose velocity is prescribed: 0 left, 1 right
         for side, (kind, _) in enumerate(row.boundaries):
             if kind == "velocity":
                 driven.append(side)
-        # This fills the lists and dictionaries above and sets `cells`.
+        # This fills the lists and dictionaries above, sets `cells`, and raises
+        # InvalidModel if cells are coupled too strongly.
         last_node = self._lay_out(driven)
-        self.starts, self.stops = _between(self.touching.values(), last_node)
+        self.starts, self.stops = _between(self.link_nodes.values(), last_node)
         contacts = []  # nodes on both sides of each link that can open
-        for link, nodes in self.touching.items():
+        for link, nodes in self.link_nodes.items():
             if row.links[link].law != Law.JOINT:
                 contacts.append(nodes)
         group_starts, group_stops = _between(contacts, last_node)
@@ -273,6 +274,7 @@ class Mesh:
         self.width = self.cells.width
         # A node has half of the mass of the cells on its left and on its right.
         self.mass = (self.cell_mass[:-1] + self.cell_mass[1:]) / 2
+        # [node], of the two half cells beside the node
         self.shear_stiffness = _in_series(self.cells.shear_stiffness)
         self.mass[self.node_of_mass] += row.masses
         # Radial strains on both sides of a rigid mass are independent.
@@ -280,11 +282,12 @@ class Mesh:
         self.is_prescribed = np.zeros(last_node + 1, np.int64)
         for side in driven:
             self.is_prescribed[self.ends[side]] = 1
-        self.pulled = [cell for _, cell in self.bonds.values()]
-        watched = [*self.ends, *self.node_of_mass]
-        for cell in self.pulled:
-            watched.extend((cell - 1, cell))  # the nodes on both sides of the cell
-        self.watched = list(dict.fromkeys(watched))  # each once
+        # Tensions of these cells give the forces in bonds.
+        self.recorded_cells = [cell for _, cell in self.bonds.values()]
+        recorded = [*self.ends, *self.node_of_mass]
+        for cell in self.recorded_cells:
+            recorded.extend((cell - 1, cell))  # the nodes on both sides of the cell
+        self.recorded_nodes = list(dict.fromkeys(recorded))  # each once
         self.has_radial_strain = bool(np.any(self.cells.radial_inertia))
         self.implicit = bool(np.any(self.viscous) or np.any(self.lateral_inertia))
 
@@ -293,7 +296,7 @@ class Mesh:
 
         The row is walked from left to right: bonded neighbours share a node, and each
         contact or joint begins a new one. `cells` is set, and `first`, `last`,
-        `node_of_mass`, `touching` and `bonds`, which are empty before, are filled.
+        `node_of_mass`, `link_nodes` and `bonds`, which are empty before, are filled.
         `driven` are the sides (0, 1) whose velocity is prescribed: a bond there is
         recorded, as are the bonds between bodies. InvalidModel is raised if cells are
         coupled too strongly.
@@ -314,7 +317,7 @@ class Mesh:
             if law >= Law.JOINT:  # a joint or a contact: a piece ends
                 node += 1
                 parts.append(NO_CELL)
-                self.touching[i] = node - 1, node
+                self.link_nodes[i] = node - 1, node
             elif law == Law.BOND and i in recorded_links:
                 # The bond is at a node of a rod; the cell of this rod beside it is
                 # recorded, the cell of the left rod if both are rods.

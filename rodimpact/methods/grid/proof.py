@@ -126,9 +126,9 @@ def add_joints(
     """
     first, last = group
     shift_by_momentum = 0.0
-    # `touching` has the nodes on both sides of each link with a law, by the number of
+    # `link_nodes` has the nodes on both sides of each link with a law, by the number of
     # the link in the row. `grid.links` has one record for each, in the same order.
-    for index, (link, nodes) in enumerate(run.mesh.touching.items()):
+    for index, (link, nodes) in enumerate(run.mesh.link_nodes.items()):
         _, right_node = nodes
         is_inside = first < right_node <= last
         if is_inside:  # a joint, as groups end at contacts

@@ -75,7 +75,7 @@ class Link(link.Link):
     force: float  # mean over the step, N
     closing: float  # mean closing velocity of the step
     is_closed: int  # 1 while a rigid contact is closed
-    initial_closing: float  # closing velocity at the start of the step
+    old_closing: float  # closing velocity before the step, as `Grid.old_velocity`
     force_free_closing: float  # closing in the step if no link had a force
     # Rigid contact or impact: the closing that its force, if it has one, leaves;
     # infinite for an impact that has not begun
@@ -84,7 +84,8 @@ class Link(link.Link):
     force_slope: float  # dF/d(closing); -1 if the closing is fixed
     force_before: float  # force before a Newton step
     upper: float  # factor of the elimination of a chain
-    # Contact that closed at t = 0: mean force over the first step, and energy lost
+    # Rigid contact that closed at t = 0, see `start.slow_down`: further force, N, the
+    # mean over the first step, and the energy lost by it in the link, W times steps
     initial_force: float
     initial_loss: float
 
@@ -181,8 +182,8 @@ class Grid(NamedTuple):
     diagonal: Any  # [node] without soil
     loaded_diagonal: Any  # [node] with soil
     is_prescribed: Any  # [node] 1 where the velocity is prescribed
-    watched: Any  # nodes whose velocities are recorded after each step
-    pulled: Any  # cells whose tensions are recorded in each step
+    recorded_nodes: Any  # nodes whose velocities are recorded after each step
+    recorded_cells: Any  # cells whose tensions are recorded in each step
 
 
 class StepHistory(NamedTuple):
@@ -190,8 +191,8 @@ class StepHistory(NamedTuple):
 
     signals: Any  # [step, link] SIGNAL
     prescribed: Any  # [step, end] force, wave, or velocity at the end of a step
-    velocities: Any  # [step, watched node] velocity at the end of the step
-    tensions: Any  # [step, pulled cell] elastic tension in the middle of the step
+    velocities: Any  # [step, recorded node] velocity at the end of the step
+    tensions: Any  # [step, recorded cell] elastic tension in the middle of the step
     shafts: Any  # [step, rod that soil holds] SHAFT_FORCE
     when: Any  # [state] number of steps taken when the state is stored
     lost: Any  # [state] energy turned to heat so far

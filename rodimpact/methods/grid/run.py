@@ -179,8 +179,9 @@ class GridRun:
         states = min(steps, self._max_states) + 2.0  # 2: those at the start and the end
         self.checked_steps = steps
         # Numbers that the kernel records in a step: three for each link, one for each
-        # of both ends, each watched node and each pulled cell
-        recorded = 3 * len(mesh.touching) + 2 + len(mesh.watched) + len(mesh.pulled)
+        # of both ends, each recorded node and each recorded cell
+        recorded = 3 * len(mesh.link_nodes) + 2
+        recorded += len(mesh.recorded_nodes) + len(mesh.recorded_cells)
         # Numbers that are made of them for each step: force, gap, path, rate and power
         # of a contact with their integrals (10), those of a mass (5), and those of both
         # ends with the times (26)
@@ -258,8 +259,8 @@ class GridRun:
         return StepHistory(
             signals=np.empty((steps, len(grid.links)), SIGNAL),
             prescribed=np.empty((steps, 2)),
-            velocities=np.empty((steps, len(grid.watched))),
-            tensions=np.empty((steps, len(grid.pulled))),
+            velocities=np.empty((steps, len(grid.recorded_nodes))),
+            tensions=np.empty((steps, len(grid.recorded_cells))),
             shafts=np.empty((steps, grid.run["shafts"][0]), SHAFT_FORCE),
             when=np.empty(states, np.int64),
             lost=np.empty(states),
@@ -400,7 +401,7 @@ class GridRun:
         steps. A bond is not recorded and raises ValueError.
         """
         # Column of the link in the records, or ValueError
-        column = list(self.mesh.touching).index(link)
+        column = list(self.mesh.link_nodes).index(link)
         return np.ascontiguousarray(self.history.signals[:, column][field])
 
     def contact(self, contact: int) -> tuple[Array, Array]:
@@ -445,11 +446,11 @@ class GridRun:
         return begins, np.nan_to_num(ends, nan=self.times[-1])
 
     def velocity(self, node: int) -> Array:
-        """Velocity of a watched node in the frame at the ends of steps, m/s [step + 1].
+        """Velocity of a recorded node in the frame at step ends, m/s [step + 1].
 
-        The first value is that at t = 0. A node that is not watched raises ValueError.
+        The first value is that at t = 0. Any other node raises ValueError.
         """
-        column = self.mesh.watched.index(node)  # ValueError if it is not watched
+        column = self.mesh.recorded_nodes.index(node)  # or ValueError
         velocities = self.history.velocities[:, column]
         return np.concatenate((self.history.velocity[:1, node], velocities))
 
@@ -473,7 +474,8 @@ class GridRun:
         A compressive force is positive. It follows from Newton's law for the half cell
         of the rod next to the link. With sign 1 for a rod on the left of the link and
         -1 for a rod on its right, F = -tension - sign (m/2 dv/dt - force of the soil),
-        m the mass of the cell.
+        where m is the mass of the cell, v the velocity of the node of the link, and the
+        tension that of the cell. A link that is not in `mesh.bonds` raises KeyError.
         """
         mesh = self.mesh
         node, cell = mesh.bonds[link]
@@ -483,17 +485,18 @@ class GridRun:
             sign = -1
         v = self.velocity(node)
         other_v = self.velocity(node - sign)  # at the other node of the cell
-        # Velocity of the right node minus that of the left node, at the ends of steps,
-        # m/s
+        # Velocity of the right node minus that of the left node, m/s [step + 1]: at
+        # t = 0 and at the ends of steps
         stretch_rate = sign * (v - other_v)
-        # The tension has three parts: an elastic one, a viscous one by the velocities
-        # before the step, and one by their change in the step, from lateral inertia and
-        # half of the viscosity.
-        elastic = self.history.tensions[:, mesh.pulled.index(cell)]
-        viscous = mesh.viscous[cell] * stretch_rate[:-1]
-        coupling = scheme.off_diagonal_of(mesh, self.step)[cell]  # J/h + D/2, kg/s
-        implicit = coupling * np.diff(stretch_rate)
-        tension = elastic + viscous + implicit
+        # The mean tension of a step has three parts: an elastic one, a viscous one by
+        # the rate before the step, and one by the change of the rate in the step. The
+        # factor of this change is J/h + D/2, kg/s, with the lateral inertia J and the
+        # viscosity D of the cell, and the step h.
+        elastic = self.history.tensions[:, mesh.recorded_cells.index(cell)]
+        viscous = mesh.viscous[cell] * stretch_rate[:-1]  # the rates before the steps
+        coupling = scheme.off_diagonal_of(mesh, self.step)[cell]
+        by_change = coupling * np.diff(stretch_rate)
+        tension = elastic + viscous + by_change
         momentum_rate = mesh.cell_mass[cell] / 2 / self.step * np.diff(v)
         soil = self._soil_at_end(node, sign)
         return np.asarray(-tension - sign * (momentum_rate - soil))

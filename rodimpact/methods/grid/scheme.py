@@ -127,8 +127,8 @@ def grid_of(mesh: Mesh, step: float) -> Grid:
         diagonal=diagonal,
         loaded_diagonal=loaded_diagonal,
         is_prescribed=mesh.is_prescribed,
-        watched=np.array(mesh.watched, np.int64),
-        pulled=np.array(mesh.pulled, np.int64),
+        recorded_nodes=np.array(mesh.recorded_nodes, np.int64),
+        recorded_cells=np.array(mesh.recorded_cells, np.int64),
     )
 
 
@@ -224,7 +224,7 @@ def _links(mesh: Mesh, step: float, responses: Responses) -> Array:
     InvalidModel
         If a contact is so soft in steps that its forces vanish.
     """
-    laws = as_records([mesh.row.links[i] for i in mesh.touching], LINK)
+    laws = as_records([mesh.row.links[i] for i in mesh.link_nodes], LINK)
     count = len(laws)
     in_time_steps = in_steps(laws, step)  # by name: stiffness and gap
     _refuse_soft(laws, in_time_steps["stiffness"], step)

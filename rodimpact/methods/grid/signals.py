@@ -239,7 +239,7 @@ def _signals(
         link = row.contact_link[k]
         gap = np.zeros(run.steps + 1)  # a bond has none
         closing = np.zeros(run.steps)
-        if k in row.by_law:  # a contact or a joint
+        if k in row.unbonded_links:  # a contact or a joint
             _, gap = run.contact(k)
             closing = run.recorded(link, "closing")
         signal = ContactSignal(
@@ -284,8 +284,8 @@ def _pushes_on_nodes(
     pushes: dict[int, Floats] = {}
     for k, force in enumerate(forces):
         link = run.row.contact_link[k]
-        if link in mesh.touching:  # a contact or a joint, not a bond
-            left, right = mesh.touching[link]
+        if link in mesh.link_nodes:  # a contact or a joint, not a bond
+            left, right = mesh.link_nodes[link]
             pushes[left] = pushes.get(left, 0.0) - force
             pushes[right] = pushes.get(right, 0.0) + force
     for side, end in enumerate(outside):

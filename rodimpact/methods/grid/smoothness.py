@@ -54,8 +54,8 @@ def waves_jump(row: Row) -> bool:
 
     A wave may jump if the velocity or strain of a body is given by steps or by
     polynomials, if the value given at an end jumps in time, if the force of a contact
-    jumps as it closes (as between flat ends), or if velocities or forces of neighbours
-    differ at t = 0.
+    jumps as it closes (as between flat ends), if velocities or forces of neighbours
+    differ at t = 0, or if a rod of several segments is strained at t = 0.
     """
     system = row.system
     for body in system.bodies:
@@ -71,7 +71,11 @@ def waves_jump(row: Row) -> bool:
     for law in system.contacts:
         if law.opens and not law.begins_from_zero:  # its force jumps as it closes
             return True
-    return _jumps_between_bodies(row) or _jumps_at_ends(row) or _jumps_at_steps(row)
+    return (
+        _jumps_between_bodies(row)
+        or _jumps_at_ends(row)
+        or _strain_jumps_between_segments(row)
+    )
 
 
 def _jumps_between_bodies(row: Row) -> bool:
@@ -143,7 +147,7 @@ def _jumps_at_ends(row: Row) -> bool:
     return False
 
 
-def _jumps_at_steps(row: Row) -> bool:
+def _strain_jumps_between_segments(row: Row) -> bool:
     """Whether any rod of several segments has a strain at t = 0.
 
     The stiffness jumps between segments, and so does the force of a strain. Rods of one

@@ -49,8 +49,9 @@ def begin(mesh: Mesh, step: float, grid: Grid) -> Array:
     # `_first_kick`. So the tension T at t = 0 becomes T + k (v + kick)/2 half a step
     # later, where v and kick stand for differences of neighbouring nodes. The first
     # drift adds k v. Therefore the tension begins with T + k (kick - v)/2.
-    stretching = np.diff(kick - v, prepend=0.0, append=0.0)
-    grid.force[:] = tension + grid.stiffness * stretching / 2
+    # [cell]; the values of the outer cells do not count, as these have no stiffness.
+    differences = np.diff(kick - v, prepend=0.0, append=0.0)
+    grid.force[:] = tension + grid.stiffness * differences / 2
     _begin_soil(grid, kick)
     # Half a step after t = 0 a piece has moved by (v + kick)/2, of which the first
     # drift adds v/2.
@@ -150,18 +151,21 @@ def _initial_motion(mesh: Mesh) -> tuple[Array, Array]:
 def _changes_by_driven_ends(mesh: Mesh, step: float, grid: Grid) -> Array:
     """Changes of velocity, m/s [node], by driven ends whose velocity jumps at t = 0.
 
-    The velocity of a driven end jumps from its value in `grid` to the given value;
-    `grid` is not changed. Lateral inertia drags neighbouring nodes along: the equations
-    are (M + J) dv = 0 with dv prescribed at the end. Without driven ends all changes
-    are 0.
+    The velocity of a driven end jumps from its value in `grid` to the mean of the given
+    velocity over the first half step, see `scheme.boundary_velocity`; `grid` is not
+    changed. Lateral inertia drags neighbouring nodes along: the equations are
+    (M + J) dv = 0 with the masses M, the lateral inertias J, and dv prescribed at the
+    end. Without driven ends all changes are 0.
     """
     # No forces act; at a prescribed node the equation is dv = right side.
     right_side = np.zeros(len(mesh.mass))
-    at_start = np.zeros(1)  # the only time, t = 0
+    at_start = np.zeros(1)  # t = 0, where the mean over the first half step is taken
     for node, (kind, value) in zip(mesh.ends, mesh.row.boundaries, strict=True):
         if kind == "velocity":
             (velocity,) = scheme.boundary_velocity(mesh.row, step, value, at_start)
             right_side[node] = velocity - grid.velocity[node]
+    # (M + J)/step, as in the equations of a step. A jump takes no time, so viscosity
+    # has no part in it.
     off_diagonal = mesh.lateral_inertia / step  # with opposite sign [cell]
     # Node i lies between the cells i and i + 1.
     diagonal = mesh.mass / step + off_diagonal[:-1] + off_diagonal[1:]
@@ -220,7 +224,7 @@ def _add_link_forces(grid: Grid, force: Array) -> None:
     A joint pulls by its stretch, without the force of its dashpot. A compliant contact
     with an overlap pushes. If the forces on the two nodes of a rigid contact without a
     gap press them together, both become 0: the contact carries them in the first half
-    kick, and its own force follows from the first step.
+    kick, and its own force follows from the first step. Other links have no force.
     """
     for link in grid.links:
         left = link["left_node"]
@@ -243,14 +247,14 @@ def _add_link_forces(grid: Grid, force: Array) -> None:
 def _initial_push(grid: Grid, link: Any) -> float:
     """Mean force over the first step of a compliant contact with an initial overlap, N.
 
-    It is the mean force while the overlap changes from -gap of the link by the closing
-    velocity at t = 0: time is counted in steps, so the change in a step is this
-    velocity.
+    The overlap at t = 0 is -link.gap. Gaps are divided by the step and are in m/s, so
+    the overlap grows in a step by the closing velocity at t = 0. The result is the mean
+    force over this change.
     """
     v = grid.velocity
     closing = v[link["left_node"]] - v[link["right_node"]]
     (as_object,) = as_objects(np.array([link], LINK))  # `mean_force` reads attributes
-    overlap = -as_object.gap  # m/s, as time is counted in steps
+    overlap = -as_object.gap  # at t = 0, m/s as the closing velocity
     push, _ = mean_force(as_object, overlap, overlap + float(closing))
     return float(push)
 
@@ -283,7 +287,8 @@ def slow_down(mesh: Mesh, step: float, grid: Grid, kick: Array) -> None:
     # is without soil.
     factors = scheme.factorise(mesh, grid.diagonal, grid.off_diagonal)
     responses = scheme.responses_to_pushes(mesh, factors)
-    # Decrease of the closing velocity by a unit push, (m/s)/N [link]
+    # Decrease of the closing velocity by a unit push, (m/s)/N [link]: that from before
+    # to after the push, which is not halved as the mean over a step would be.
     mobility = responses.by_last[left] + responses.by_first[right]
     for i in np.flatnonzero(is_late):
         link = links[i]
@@ -309,7 +314,7 @@ def slow_down(mesh: Mesh, step: float, grid: Grid, kick: Array) -> None:
         # Gain of strain energy: work of the tensions on the elongation dv/2. The grid
         # divides energies by the step, as it counts time in steps.
         gain = kinetic_gain / step + grid.force @ dv_stretching / 2
-        heat = grid.viscous * stretching**2  # [cell]
+        heat = grid.viscous * stretching**2  # in the step of that kick [cell]
         grid.lost[:] += heat
         link["initial_force"] = push
         # The bodies lose the energy -gain. The part of it that is not heat in the cells
