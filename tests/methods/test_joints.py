@@ -188,7 +188,7 @@ def sides_of(system, steps):
         state = present_motion(run)
         side = group_at_contact(run, node, right_end=True, state=state)
         velocity = side.mean + run.row.frame
-        sides.append((velocity, side.deviation, side.bound))
+        sides.append((velocity, side.deviation, side.max_deviation))
     return sides
 
 

@@ -26,7 +26,7 @@ from .. import contact_laws
 from ..link import Law
 from .records import Link
 
-EPS = 1 / (1 << 52)
+EPS = 1 / (1 << 52)  # relative spacing of floats
 UNSOLVED_RTOL = 1 / (1 << 24)
 """Change of closings, over the largest speed, above which a chain is not solved."""
 NEWTON_RTOL = 1 / (1 << 27)
@@ -181,7 +181,8 @@ def gauss_seidel_sweep(
     for i in range(first, last + 1):
         link = links[i]
         c = closing_without_own_force(links, i)
-        if link.law == Law.RIGID or link.law == Law.IMPACT:
+        has_max_closing = link.law == Law.RIGID or link.law == Law.IMPACT
+        if has_max_closing:
             F = (c - link.max_closing) / link.self_mobility
             slope = -1.0  # the closing is fixed
             if F <= 0:  # the closing is less than `max_closing` without a force
@@ -210,8 +211,8 @@ def take_newton_step(links: Any, first: int, last: int) -> None:
     the step are stored in `force_before`; `upper` is work space. Overlaps and slopes
     are not changed.
     """
-    # The equation of link i is: middle F = right + s (closing by the forces of the
-    # links before and after it). The two loops eliminate and substitute back.
+    # The equation of link i is: diagonal F = right_side + s (closing by the forces of
+    # the links before and after it). The two loops eliminate and substitute back.
     for i in range(first, last + 1):
         link = links[i]
         # Indices wrap around, as in `closing_without_own_force`.
@@ -220,22 +221,23 @@ def take_newton_step(links: Any, first: int, last: int) -> None:
         if link.force_slope < 0:
             # mobility F = (closing without F) - max_closing: s is 1 in this equation
             s = 1.0
-            middle = link.self_mobility
-            right = link.force_free_closing - link.max_closing
+            diagonal = link.self_mobility
+            right_side = link.force_free_closing - link.max_closing
         else:
             # (1 + s mobility) F = F0 + s ((closing without F) - overlap - gap)
             s = link.force_slope
-            middle = 1 + s * link.self_mobility
-            right = link.force + s * (link.force_free_closing - link.overlap - link.gap)
+            diagonal = 1 + s * link.self_mobility
+            rest = link.force_free_closing - link.overlap - link.gap
+            right_side = link.force + s * rest
         # The link before is eliminated: its force is before.force - before.upper F.
-        right += s * link.coupling_mobility * before.force
-        pivot = middle + s * link.coupling_mobility * before.upper
-        if pivot <= 4 * EPS * middle:  # only round-off is left
-            pivot = middle
+        right_side += s * link.coupling_mobility * before.force
+        pivot = diagonal + s * link.coupling_mobility * before.upper
+        if pivot <= 4 * EPS * diagonal:  # only round-off is left
+            pivot = diagonal
         # The force of this link is link.force - link.upper after.force: the second term
         # is subtracted below.
         link.force_before = link.force
-        link.force = right / pivot
+        link.force = right_side / pivot
         link.upper = -s * after.coupling_mobility / pivot
     for i in range(last, first - 1, -1):
         link = links[i]
@@ -274,8 +276,10 @@ def solve_chain(links: Any, first: int, last: int, speed: float) -> bool:
             if first == last:
                 change = 0.0  # one sweep solves a single link
             largest_speed = new_speed
-            # A Newton step is taken if another sweep is left to judge it.
-            if change > 8 * EPS * largest_speed and sweeps_left > 0:
+            # A change of a few round-offs is the end of the iteration. A Newton step is
+            # taken if another sweep is left to judge it.
+            still_changes = change > 8 * EPS * largest_speed
+            if still_changes and sweeps_left > 0:
                 take_newton_step(links, first, last)
                 newton_taken = True
             else:
@@ -299,7 +303,8 @@ def start_impacts(links: Any, first: int, last: int, tolerance: float) -> bool:
         # Closing in this step with all present forces
         w = closing_without_own_force(links, i) - link.force * link.self_mobility
         is_waiting = link.max_closing == math.inf  # an impact that has not begun
-        if is_waiting and link.gap - w < -tolerance:
+        gap_would_close = link.gap - w < -tolerance
+        if is_waiting and gap_would_close:
             u = link.old_closing
             link.max_closing = 0.0
             if u > tolerance:
@@ -311,28 +316,30 @@ def start_impacts(links: Any, first: int, last: int, tolerance: float) -> bool:
 def updated_gap(link: Link, w: float, tolerance: float) -> float:
     """Return the gap of a link at the end of a step in which it closes by w, m/s.
 
-    Time is counted in steps, so w is also the mean closing velocity. The gap of a rigid
-    contact or impact becomes link.gap - w, with two exceptions. A closed rigid contact
-    keeps the gap 0 until, without a force, it opens at more than `tolerance`, m/s. A
-    closed impact without a force keeps its gap if abs(w) is at most `tolerance`. The
-    gap of a contact that yields in this step becomes -(yield force)/stiffness, that of
-    any other link -link.overlap; they do not depend on w.
+    Time is counted in steps, so w is also the mean closing velocity. link.gap is not
+    changed. The gap becomes
 
-    `is_closed` of a rigid contact is set; so are the yield force and the position in
-    the hardening table of a contact that yields. link.gap is not changed.
+    - link.gap - w for an open rigid contact, which a force closes (`is_closed` is set);
+    - 0 for a closed rigid contact, until it opens: without a force, faster than
+      `tolerance`, m/s. It then has half of its opening velocity after the step;
+    - link.gap - w for an impact; closed and without a force it keeps its gap if abs(w)
+      is at most `tolerance`;
+    - -(yield force)/stiffness for a contact that yields in this step: its yield force
+      and its position in the hardening table are set first;
+    - -link.overlap for any other link.
     """
     gap: float
     if link.law == Law.RIGID:
         # w is the mean of the closing velocities before and after the step.
-        final_closing = 2 * w - link.old_closing
-        opens = link.force <= 0 and final_closing < -tolerance
+        new_closing = 2 * w - link.old_closing
+        opens = link.force <= 0 and new_closing < -tolerance
         if link.is_closed == 0:
             gap = link.gap - w
             if link.force > 0:  # it closes in this step
                 link.is_closed = 1
         elif opens:
             # The kick in the middle of the step opens it. In the second half of the
-            # step the gap grows to -final_closing/2, which is old_closing/2 - w.
+            # step the gap grows to -new_closing/2, which is old_closing/2 - w.
             link.is_closed = 0
             gap = link.old_closing / 2 - w
         else:  # it stays closed
@@ -344,13 +351,15 @@ def updated_gap(link: Link, w: float, tolerance: float) -> float:
         else:
             gap = link.gap - w
     elif link.law == Law.YIELD and link.overlap > link.yield_force / link.stiffness:
-        # The contact hardens, and its faces are displaced permanently: relative to the
-        # new positions its overlap is the elastic one at the new yield force.
+        # The contact yields in this step. It hardens, and its faces are displaced
+        # permanently: relative to the new positions its overlap is the elastic one at
+        # the new yield force.
         link.yield_force, _, next_knot = contact_laws.load_plastically(
             link, -link.gap, link.overlap
         )
         if next_knot > link.next_knot:  # it has reached the next row of its table
             link.next_knot = next_knot
+            # The row of the table that begins at knot i has the entry i of `shares`.
             link.hardening_share = link.shares[next_knot - 1]
         gap = -link.yield_force / link.stiffness
     else:

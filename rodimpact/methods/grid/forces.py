@@ -87,4 +87,4 @@ def over_steps(run: GridRun, means: Floats) -> Pieces:
     """
     if run.steps == 0:
         return Pieces([0], [0.0])  # the value 0 from tick 0 on
-    return Pieces(run.edges[:-1], means)
+    return Pieces(run.edges[:-1], means)  # each value begins with its step

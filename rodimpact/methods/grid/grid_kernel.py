@@ -443,12 +443,12 @@ def solve_contact_chain(run: Run, v: Any, links: Any, first: int) -> bool:
     speed = 0.0  # bound of the speeds of the bodies beside a link, m/s
     for i in range(first, last + 1):
         link = links[i]
-        left = v[link.left_node]
-        right = v[link.right_node]
-        speed = max(speed, abs(left) + abs(right) + abs(link.old_closing))
+        v_left = v[link.left_node]
+        v_right = v[link.right_node]
+        speed = max(speed, abs(v_left) + abs(v_right) + abs(link.old_closing))
         # The closing of a step is the mean of the closing velocities before and after
         # the step.
-        link.force_free_closing = (link.old_closing + left - right) / 2
+        link.force_free_closing = (link.old_closing + v_left - v_right) / 2
         link.force_slope = 0.0
         # First guess: the link closes as much as in the step before.
         link.overlap = link.closing - link.gap
@@ -489,7 +489,8 @@ def push_pieces(
     for i in range(len(links)):
         link = links[i]
         has_max_closing = link.law == Law.RIGID or link.law == Law.IMPACT
-        if has_max_closing and link.force * link.self_mobility <= tolerance:
+        is_round_off = link.force * link.self_mobility <= tolerance
+        if has_max_closing and is_round_off:
             link.force = 0.0
         if link.force != 0:
             # A force pushes the piece on its left, at the last node of this piece, to
@@ -531,11 +532,13 @@ def record_links(run: Run, v: Any, links: Any, signals: Any) -> None:
         signal.gap = link.gap
         # The gap of a rigid or yielding contact does not follow its closing while it
         # presses. Any other gap decreases by the closing, exactly by this difference.
-        if link.law == Law.RIGID or link.law == Law.YIELD:
+        can_keep_gap = link.law == Law.RIGID or link.law == Law.YIELD
+        if can_keep_gap:
             signal.closing = link.closing
         else:
             signal.closing = gap_before - link.gap
-        if run.step == 0 and link.initial_force > 0:
+        has_initial_force = run.step == 0 and link.initial_force > 0
+        if has_initial_force:
             # Energy lost in the link: by `initial_force`, and the work of its own force
             lost = link.initial_loss + link.force * link.closing
             signal.force = link.force + link.initial_force

@@ -99,7 +99,8 @@ def _one_sided_parabola(
         is_nearly_straight = curvature < abs(F - second) / 2
         is_flat = curvature <= FLAT_RTOL * F  # constant to round-off
         is_smooth = is_nearly_straight or is_flat
-        if curvature < max_curvature and is_smooth:
+        is_less_curved = curvature < max_curvature
+        if is_less_curved and is_smooth:
             chosen = parabola
             max_curvature = curvature  # the other side is taken if it is less curved
     return chosen
@@ -162,7 +163,8 @@ def contact_intervals(force: Floats, gap: Floats, open_gap: float) -> Floats:
         i = np.searchsorted(open_ends, stop)
         # An index of a step is also that of the step end at which it begins: the gap
         # may open up to the start of the next force.
-        if i < len(open_ends) and open_ends[i] <= next_force:
+        opens = i < len(open_ends) and open_ends[i] <= next_force
+        if opens:
             open_end = int(open_ends[i])
             # Not before `end`; this is nan if the force acts in the last step.
             opening = _opening(gap, open_end, open_gap, force_end=end)
@@ -195,12 +197,14 @@ def begin_of_force(force: Floats, gap: Floats, i: int) -> float:
     force begins with step i. If the force in step i is only round-off of that in the
     next step, it begins with the next step.
     """
-    if i + 1 < len(force) and force[i] <= NEGLIGIBLE_FORCE_RATIO * force[i + 1]:
+    has_next = i + 1 < len(force)
+    if has_next and force[i] <= NEGLIGIBLE_FORCE_RATIO * force[i + 1]:
         return i + 1.0  # start of the next step
     before = max(i - 1, 0)  # the step before; step 0 has none
     fall_per_step = gap[before] - gap[before + 1]
     # gap[i] is at the start of step i.
-    if 0 < gap[i] < MAX_CLOSING_STEPS * fall_per_step:
+    closes_soon = 0 < gap[i] < MAX_CLOSING_STEPS * fall_per_step
+    if closes_soon:
         return i + float(gap[i] / fall_per_step)
     return float(i)
 
@@ -232,7 +236,8 @@ def _end_of_dashpot(force: Floats, i: int, j: int) -> float:
 
     The time is in steps. In the last step, j - 1, the force falls linearly to 0 from
     its value at the start of this step, which is extrapolated from the means of the two
-    steps before. If the force acts in fewer than three steps, it ends with the last.
+    steps before. If this value is not positive, the force ends at the start of the step.
+    If the force acts in fewer than three steps, it ends with the last.
     """
     if j - i < 3:
         return float(j)

@@ -403,7 +403,7 @@ def _cells(segment: Any, count: int) -> Cells:
     )
 
 
-NO_CELL = Cells(*np.append(np.zeros(8), 1.0)[:, None])
+NO_CELL = Cells(*np.append(np.zeros(8), 1.0)[:, None])  # 8 properties and the width
 """An empty cell, as between pieces, [property, 1]: all is 0, except the width 1 m."""
 
 
@@ -444,7 +444,9 @@ def check_polar_moments(row: Row) -> None:
             stiffness = float(material.youngs_modulus) * polar / length
             least = min(inertia, stiffness)
             most = max(inertia, stiffness)
-            if least < SMALLEST * CELL_ROOM or most > LARGEST / CELL_ROOM:
+            vanishes = least < SMALLEST * CELL_ROOM
+            overflows = most > LARGEST / CELL_ROOM
+            if vanishes or overflows:
                 message = (
                     "makes radial inertia or stiffness whose squares overflow or "
                     f"vanish, got {area!r}; take an area nearer to 1 in consistent "

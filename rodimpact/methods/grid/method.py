@@ -51,6 +51,7 @@ UNTIL_RTOL = 1e-12
 """Relative excess of `until` over whole steps that counts as round-off."""
 
 LACKS = (physics.RODLESS, physics.OWN_LAWS)
+"""Kinds of rows that this method does not solve, see `abilities`."""
 
 
 @np.errstate(under="ignore")  # ahead of the waves all numbers are nearly 0
@@ -244,7 +245,7 @@ def _advance_until_proved(
             # take about as long as a proof.
             affordable = max(transit // 4, run.steps // 8)
             until_next = min(wait, affordable)  # `wait` may be infinite
-            more = math.ceil(max(until_next, MIN_CELLS))
+            more = math.ceil(max(until_next, MIN_CELLS))  # a few steps at least
             run.advance(min(last_step, run.steps + more), report_of)
         else:
             break
@@ -367,6 +368,7 @@ def _stable_counts(
     # of a cell: fewer cells than these may be stable with `dt`.
     most = []
     for segment, count in zip(row.segments, whole, strict=True):
+        # Courant numbers up to STABLE_COURANT count as stable.
         most.append(most_cells(segment, count, step / STABLE_COURANT))
     return most
 
@@ -385,6 +387,7 @@ def _check_counts(
     shortest_time = f"{transits[shortest]:.6g} s"
     if counts.min() < 1:
         if cells is not None:
+            # So many cells of the longest segment leave one for the shortest.
             ratio = transits[longest] / transits[shortest]
             remedy = f"{math.ceil(ratio / STABLE_COURANT)} or more"
         else:  # `dt` is given

@@ -25,7 +25,7 @@ class GroupState(NamedTuple):
     # Present displacement of its end at the contact from the mean motion, m, positive
     # to the right
     deviation: float
-    bound: float  # upper bound of the absolute deviation at any time, m
+    max_deviation: float  # upper bound of its absolute value at any time, m
 
 
 def finality_time(run: GridRun) -> float:
@@ -55,12 +55,13 @@ def finality_time(run: GridRun) -> float:
         # Least velocity at which the ends themselves part: known only if they hardly
         # vibrate
         least_opening = -math.inf
-        vibration = max(left.bound, right.bound)
+        vibration = max(left.max_deviation, right.max_deviation)
         if vibration <= rest_bound:
             least_opening = opening
         # Gap that the mean motions would have: deviations are positive to the right.
         mean_gap = gap + left.deviation - right.deviation
-        reach = left.bound + right.bound  # distance that vibration can bridge, m
+        # Distance that vibration can bridge, m
+        reach = left.max_deviation + right.max_deviation
         time = finality_kernel.separation_time(
             opening,
             least_opening,
@@ -172,8 +173,8 @@ def group_at_contact(
     integral(g eps dx). With the vibration energy E_vib the deviation is at any time at
     most sqrt(2 E_vib integral(g^2 dx/(E A))). This bound is enlarged by the momentum
     that an endless bar of impedance Z at the far end and dashpots of joints can take,
-    and by the motion of the end in half a step. For a group of one node deviation and
-    bound are 0.
+    and by the motion of the end in half a step. For a group of one node the deviation
+    and its bound are 0.
     """
     mesh = run.mesh
     motion, elongation = state
@@ -187,7 +188,7 @@ def group_at_contact(
         outward = -1  # to the left
     mean, Z = mean_motion(run, motion, nodes, far)
     if first == last:
-        return GroupState(mean, deviation=0.0, bound=0.0)
+        return GroupState(mean, deviation=0.0, max_deviation=0.0)
     m = mesh.mass[nodes]
     v = motion.velocity[0, nodes]
     is_held = bool(mesh.is_prescribed[far]) or Z > 0
@@ -197,6 +198,8 @@ def group_at_contact(
     # Cell i is on the left of node i, so the first cell of the group is first + 1.
     cells = slice(first + 1, last + 1)
     stretch = elongation[cells].copy()
+    # The relaxed stiffness, as the strain energy for an elongation is least if radial
+    # strains follow it
     compliance = quotient(1.0, mesh.cells.relaxed_stiffness[cells])
     # This also enters the joints in `stretch` and `compliance`.
     energy_with_joints, shift_by_momentum = add_joints(
@@ -205,7 +208,7 @@ def group_at_contact(
     energy = max(energy_with_joints, 0.0)  # round-off may make it negative
     deviation = float(stretch @ g) * outward
     # The square of the deviation is at most 2 `energy` times this, m/N.
-    compliance_integral = float(g * g @ compliance)
+    compliance_integral = float((g * g) @ compliance)
     # The momentum of the vibration is at most sqrt(2 energy mass). The displacement d2
     # that it causes adds to the displacement d1 by the cells:
     # (d1 + d2)^2 <= 2 (d1^2 + d2^2).
@@ -223,8 +226,8 @@ def group_at_contact(
     # Distance that the end covers in half a step at its largest velocity, that is
     # step/2 sqrt(2 energy/m) with the mass m of its node
     in_half_step = run.step * math.sqrt(energy / (2 * mesh.mass[node]))
-    bound = math.sqrt(2 * energy * compliance_integral) + in_half_step
-    return GroupState(mean, deviation, bound)
+    max_deviation = math.sqrt(2 * energy * compliance_integral) + in_half_step
+    return GroupState(mean, deviation, max_deviation)
 
 
 def mean_motion(
@@ -272,6 +275,7 @@ def mass_beyond(m: Array, right_end: bool, is_held: bool) -> Array:
     """
     if is_held:
         return np.ones(len(m) - 1)  # one cell less than nodes
+    # Sums over the nodes on the left of each cell, from the first to the last cell
     on_left: Array = np.cumsum(m[:-1]) / m.sum()
     if right_end:
         return on_left

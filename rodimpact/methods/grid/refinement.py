@@ -125,7 +125,7 @@ def error_of(levels: Sequence[Level], name: str, order: float) -> float:
     values = levels[-1].measures[name]
     largest = float(np.abs(values).max(initial=0.0))
     errors = []
-    for coarser in levels[-1 - MAX_COMPARED : -1]:  # all before the last level
+    for coarser in levels[-1 - MAX_COMPARED : -1]:  # those before the last level
         change = float(np.abs(coarser.measures[name] - values).max(initial=0.0))
         errors.append(change / ((coarser.step / h) ** order - 1))
     error: float = SAFETY_FACTOR * max(errors)
@@ -250,7 +250,8 @@ def velocities_of(run: GridRun) -> Array:
             if stop > 0:  # a rod with the segments from `start` to `stop`
                 first = mesh.first[start]
                 last = mesh.last[stop]
-                # Half of the mass of a cell sits at its left node, half at its right.
+                # Half of the mass of a cell is at its left node, half at its right.
+                # Cell i is on the left of node i.
                 half_mass = mesh.cell_mass[first + 1 : last + 1] / 2
                 v_left = v[first:last]
                 v_right = v[first + 1 : last + 1]

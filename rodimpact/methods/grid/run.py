@@ -114,10 +114,10 @@ class GridRun:
         # kept and then dropped. The steps that it returns are not used.
         self._choose_states(self.checked_steps)
         self.grid = scheme.grid_of(mesh, step)
-        kick = start.begin(mesh, step, self.grid)
+        half_kick = start.begin(mesh, step, self.grid)
         self.history = self._empty_history(steps=0, states=0)
         self.advance(0)  # no step, but the state at t = 0 is kept
-        start.slow_down(mesh, step, self.grid, kick)
+        start.slow_down(mesh, step, self.grid, half_kick)
 
     def _plan_states(self, snapshots: int | tuple[float, ...] | None) -> None:
         """Set how many states are kept at most, after which steps, and if in threes.
@@ -192,9 +192,12 @@ class GridRun:
         per_state = 2 * len(mesh.mass)  # velocity and tension, see `_plan_states`
         if mesh.has_radial_strain:
             per_state *= 2
+        # A state also has the displacements of pieces, and 3 more numbers: `when`,
+        # `lost`, and the tension of the cell that is more than nodes.
         in_states = 2 * states * (per_state + len(mesh.starts) + 3)
         if not kernels.enabled():
             # Plain Python also needs lists, which take four times the memory of arrays.
+            # States are counted twice so far, so 4 more are 3 times as much.
             in_steps += 4.0 * steps * recorded
             in_states *= 3
         # The error names the argument that reduces the larger part.
@@ -225,7 +228,9 @@ class GridRun:
             wanted = np.arange(0, end, self._stride)
         if self._in_threes:
             kept = np.concatenate((wanted - 1, wanted, wanted + 1))
-            at_end = end - np.arange(4)  # three states at the end, too, and one more
+            # The mean of the last state takes the last four states, see
+            # `results.grid_velocities`.
+            at_end = end - np.arange(4)
         else:
             kept = wanted
             at_end = np.array([end])
@@ -295,7 +300,7 @@ class GridRun:
         window.when[:] = new_states
         for side in (0, 1):
             values = scheme.boundary_values(self.mesh, self.step, side, end)
-            window.prescribed[:, side] = values[first:]
+            window.prescribed[:, side] = values[first:]  # those of the new steps
         self._run_kernel(window, end, report)
         joined = {}
         for name in StepHistory._fields:
@@ -345,6 +350,7 @@ class GridRun:
         is_solved = True
         # The kernel runs to each of these steps in turn; the last one is `end`.
         for until in (*range(first + chunk, end, chunk), end):
+            # After a step that was not solved no further step is taken.
             is_solved = is_solved and kernel(grid, history, until)
             if is_solved and report and until < end:
                 report(until)
@@ -452,7 +458,8 @@ class GridRun:
         """
         column = self.mesh.recorded_nodes.index(node)  # or ValueError
         velocities = self.history.velocities[:, column]
-        return np.concatenate((self.history.velocity[:1, node], velocities))
+        at_start = self.history.velocity[:1, node]  # the first state is that at t = 0
+        return np.concatenate((at_start, velocities))
 
     def mass_velocity(self, mass: int) -> Array:
         """Velocity of a mass or wall in the frame at the ends of steps, m/s [step + 1].
@@ -577,7 +584,7 @@ class GridRun:
             largest_peak = max(largest_peak, peak)
             largest_excess = max(largest_excess, excess)
         if largest_peak == 0:
-            return largest_excess
+            return largest_excess  # 0, too
         return largest_excess / largest_peak
 
     @property
@@ -641,7 +648,7 @@ def clock_on(mesh: Mesh, step: float) -> Clock:
         row,
         transits,
         tick,
-        impedance=[*impedances, 0.0],
+        impedance=[*impedances, 0.0],  # the last 0 is that of the outside, too
         scale=row.scale,
         is_mesh=True,
     )

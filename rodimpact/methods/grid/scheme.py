@@ -64,8 +64,9 @@ def grid_of(mesh: Mesh, step: float) -> Grid:
     row = mesh.row
     n = len(mesh.mass)  # number of nodes; there is one cell more
     cells = mesh.cells
-    # Time is counted in steps: M becomes M/h, and a stiffness k becomes k h.
     impedance = _end_impedances(mesh)
+    # Time is counted in steps h: masses M and inertias J become M/h and J/h, and a
+    # stiffness k becomes k h; impedances and dashpots are not changed.
     inertia = mesh.mass / step
     # An endless bar pushes with Z (wave - v). The mean v over the step is the old
     # velocity plus dv/2, so Z/2 belongs to dv.
@@ -108,10 +109,10 @@ def grid_of(mesh: Mesh, step: float) -> Grid:
         old_velocity=np.zeros(n),
         radial_strain=np.zeros(n + 1),
         radial_rate=np.zeros(n + 1),
-        inverse_radial_inertia=quotient(step, cells.radial_inertia),
+        inverse_radial_inertia=quotient(step, cells.radial_inertia),  # 1/(J/h)
         coupling=cells.coupling * step,
         radial_stiffness=(cells.radial_stiffness - coupling_share) * step,
-        tension_share=quotient(cells.coupling, cells.stiffness),
+        tension_share=quotient(cells.coupling, cells.stiffness),  # b h/(k h)
         # Node i lies between the cells i and i + 1; the last cell has no next cell.
         shear=np.append(mesh.shear_stiffness * step, 0.0),
         links=_links(mesh, step, responses),
@@ -235,8 +236,8 @@ def _links(mesh: Mesh, step: float, responses: Responses) -> Array:
     leftmost: Any
     rightmost: Any
     if mesh.implicit:  # a force changes the velocities of its whole piece in a step
-        leftmost = mesh.starts[:-1]
-        rightmost = mesh.stops[1:]
+        leftmost = mesh.starts[:-1]  # first node of the piece on the left
+        rightmost = mesh.stops[1:]  # last node of the piece on the right
     else:  # a force changes the velocity of its node alone
         leftmost = left
         rightmost = right
@@ -258,6 +259,7 @@ def _links(mesh: Mesh, step: float, responses: Responses) -> Array:
         coupling_mobility=coupling,
         is_closed=in_time_steps["gap"] == 0,
     )
+    # All fields of the laws; those for time in steps then replace stiffness and gap.
     for name in laws.dtype.names:
         links[name] = laws[name]
     for name, values in in_time_steps.items():
@@ -308,16 +310,18 @@ def boundary_values(mesh: Mesh, step: float, side: int, steps: int) -> Array:
     `side` is 0 on the left and 1 on the right; `step` is in s. At a moved end the value
     is the velocity in the frame, m/s, averaged over one step about the end of each
     step. At a pushed end it is the force, N, and at an endless bar the incoming wave,
-    m/s; both are averaged over two steps about the middle of each step. At a free end
-    it is 0.
+    m/s; both are averaged over two steps about the middle of each step. The mean of the
+    first step reaches half a step before t = 0, where the value of the first half step
+    is taken. At a free end the value is 0.
     """
     kind, value = mesh.row.boundaries[side]
     if kind == "velocity":
         times = step * np.arange(1, steps + 1)
         return boundary_velocity(mesh.row, step, value, times)
     # The kick of a step is in its middle. The value is averaged over two steps about
-    # the kick, that is four half steps: waves on the grid can follow such a mean.
-    edges = step / 2 * np.arange(2 * steps + 2)  # edges of half steps from t = 0 on
+    # the kick, that is four half steps: waves on the grid can follow such a mean. The
+    # half steps between these edges go from t = 0 to half a step after the last step.
+    edges = step / 2 * np.arange(2 * steps + 2)
     # Only polynomials need the length; forces and strains in time are never these.
     after_start = averages(value, edges, length=0.0)  # [half step]
     # In the half step before t = 0 the value is that of the first half step.

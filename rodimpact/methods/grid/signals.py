@@ -72,7 +72,7 @@ def make_run(run: GridRun, until: float | None) -> Run:
         proof = proof_sentence(has_touched, t_final)
     events = run.steps * len(run.row.links)  # as `max_events` counts them
     end = run.steps * STEP_TICKS  # ticks
-    if until and not run.steps:  # the run ends before its first step
+    if until and not run.steps:  # it ends inside the first step, which is not taken
         end = math.ceil(until / run.clock.tick)
     # Whether waves jump and stay steep; needed for the coarser runs only
     is_steep = bool(run.coarser) and order_of(run.row) < 1
@@ -130,7 +130,7 @@ def _status(run: GridRun, proof: str, t_end: float, events: int) -> str:
     status = with_advice(why)
     size = sum(run.mesh.counts)
     status += f" Time step {format_si(run.step, 's')}, {size} cells."
-    if t_end and not run.steps:
+    if t_end and not run.steps:  # a run to t = 0 takes no step anyway
         status += (
             " The run ends before half a step, and none was taken. "
             "More cells shorten it."

@@ -102,14 +102,17 @@ def _jumps_between_bodies(row: Row) -> bool:
             rate = right.velocity - left.velocity
             # Tension in the joint, N: forces of faces are tensions, too.
             force = float(law.stiffness * law.stretch + law.damping * rate)
-            if _forces_differ(row, left, force) or _forces_differ(row, right, force):
+            left_differs = _forces_differ(row, left, force)
+            right_differs = _forces_differ(row, right, force)
+            if left_differs or right_differs:
                 return True
         else:  # a contact
             has_overlap = float(system.gaps[k]) < 0
             if has_overlap:
                 return True
-            is_loaded_left = _forces_differ(row, left, force=0.0)
-            if is_loaded_left or _forces_differ(row, right, force=0.0):
+            left_is_loaded = _forces_differ(row, left, force=0.0)
+            right_is_loaded = _forces_differ(row, right, force=0.0)
+            if left_is_loaded or right_is_loaded:
                 return True
     return False
 
@@ -157,7 +160,8 @@ def _strain_jumps_between_segments(row: Row) -> bool:
         if not isinstance(body, Rod) or len(body.segments) == 1:
             continue
         smallest, largest = extremes(body.strain)
-        if smallest != 0 or largest != 0:
+        is_strained = smallest != 0 or largest != 0
+        if is_strained:
             return True
     return False
 

@@ -53,9 +53,9 @@ def _soil_of_rod(mesh: Mesh, step: float, shaft_index: int, body: int) -> Array:
     """
     rod = mesh.row.system.bodies[body]
     soil = rod.shaft
-    edges = _edges_of_half_cells(mesh, body)
+    edges = _half_cell_edges_of_rod(mesh, body)
     length = float(rod.length)
-    nodes = _nodes_of_half_cells(mesh, body)
+    nodes = _half_cell_nodes_of_rod(mesh, body)
     half_cell_ultimate = resistances(soil, edges, length)  # N [half cell]
     mobilised = mobilised_shares(soil, edges, length)  # -1 to 1 [half cell]
     # Sums over the half cells of each node of the rod, N
@@ -90,8 +90,8 @@ def _drag_of_rod(mesh: Mesh, shaft_index: int, body: int) -> Array:
     is the index of the rod in `shaft_bodies`.
     """
     rod = mesh.row.system.bodies[body]
-    edges = _edges_of_half_cells(mesh, body)
-    nodes = _nodes_of_half_cells(mesh, body)
+    edges = _half_cell_edges_of_rod(mesh, body)
+    nodes = _half_cell_nodes_of_rod(mesh, body)
     half_cell_damping = coefficients(rod.shaft, edges, float(rod.length))  # N s/m
     damping = np.bincount(nodes, half_cell_damping)  # sums for each node
     # Nodes with drag, counted from the left end of the rod
@@ -108,7 +108,7 @@ def _records_at(mesh: Mesh, body: int, shaft_index: int, nodes: Array) -> Array:
     number in the mesh, `shaft`, and `end_of_rod`, which is -1 at the left end of the
     rod, 1 at its right end, and 0 elsewhere. All other fields are 0.
     """
-    last_node = _nodes_of_half_cells(mesh, body)[-1]
+    last_node = _half_cell_nodes_of_rod(mesh, body)[-1]
     is_first_node = np.where(nodes == 0, 1, 0)
     is_last_node = np.where(nodes == last_node, 1, 0)
     first_segment, _ = mesh.row.spans[body]
@@ -122,7 +122,7 @@ def _records_at(mesh: Mesh, body: int, shaft_index: int, nodes: Array) -> Array:
     return blank_records
 
 
-def _nodes_of_half_cells(mesh: Mesh, body: int) -> Array:
+def _half_cell_nodes_of_rod(mesh: Mesh, body: int) -> Array:
     """Node of each half cell of a rod, counted from its left end, [half cell].
 
     `body` is the index of the rod in the system.
@@ -131,7 +131,7 @@ def _nodes_of_half_cells(mesh: Mesh, body: int) -> Array:
     return nodes_of_half_cells(sum(mesh.counts[first - 1 : last]))
 
 
-def _edges_of_half_cells(mesh: Mesh, body: int) -> Array:
+def _half_cell_edges_of_rod(mesh: Mesh, body: int) -> Array:
     """Edges of the half cells of a rod, m from its left end, [half cell + 1].
 
     `body` is the index of the rod in the system. An edge between two segments is listed

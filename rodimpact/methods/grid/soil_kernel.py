@@ -85,11 +85,11 @@ def record_soil(run: Run, soil: Any, v: Any, old_velocity: Any, shafts: Any) -> 
     for i in range(len(soil)):
         at_node = soil[i]
         node = at_node.node
-        mean = (v[node] + old_velocity[node]) / 2 - ground  # u of the docstring
-        force = -(at_node.resistance + at_node.damping * mean)
+        u = (v[node] + old_velocity[node]) / 2 - ground
+        force = -(at_node.resistance + at_node.damping * u)
         shaft = shafts[first + at_node.shaft]
         shaft.force += force
-        shaft.power += force * mean
+        shaft.power += force * u
         if at_node.end_of_rod < 0:
             shaft.first_node_force = force
         if at_node.end_of_rod > 0:

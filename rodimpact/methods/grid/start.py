@@ -44,18 +44,18 @@ def begin(mesh: Mesh, step: float, grid: Grid) -> Array:
     radial = quotient(-cells.coupling, cells.radial_stiffness) * elongation
     grid.radial_strain[:] = radial / step
     tension = mesh.stiffness * elongation + cells.coupling * radial
-    kick = _first_kick(mesh, step, grid, tension)
-    # In the half step after t = 0 nodes move with the velocity v + kick, see
-    # `_first_kick`. So the tension T at t = 0 becomes T + k (v + kick)/2 half a step
-    # later, where v and kick stand for differences of neighbouring nodes. The first
-    # drift adds k v. Therefore the tension begins with T + k (kick - v)/2.
+    half_kick = _half_kick(mesh, step, grid, tension)
+    # In the half step after t = 0 nodes move with the velocity v + dv, where dv is
+    # `half_kick`. So the tension T at t = 0 becomes T + k (v + dv)/2 half a step later,
+    # where v and dv stand for differences of neighbouring nodes. The first drift adds
+    # k v. Therefore the tension begins with T + k (dv - v)/2.
     # [cell]; the values of the outer cells do not count, as these have no stiffness.
-    differences = np.diff(kick - v, prepend=0.0, append=0.0)
+    differences = np.diff(half_kick - v, prepend=0.0, append=0.0)
     grid.force[:] = tension + grid.stiffness * differences / 2
-    _begin_soil(grid, kick)
-    # Half a step after t = 0 a piece has moved by (v + kick)/2, of which the first
-    # drift adds v/2.
-    grid.pieces["displacement"] = kick[mesh.starts] / 2
+    _begin_soil(grid, half_kick)
+    # Half a step after t = 0 a piece has moved by (v + dv)/2, of which the first drift
+    # adds v/2.
+    grid.pieces["displacement"] = half_kick[mesh.starts] / 2
     grid.ends["background_wave"] = _background_waves(mesh, grid, tension)
     # Contacts whose gaps vanish before the first kick, half a step after t = 0, begin
     # closed.
@@ -63,21 +63,21 @@ def begin(mesh: Mesh, step: float, grid: Grid) -> Array:
     closing = v[links["left_node"]] - v[links["right_node"]]
     is_closed = links["gap"] <= closing / 2  # the way in half a step
     links["is_closed"][is_closed] = 1
-    return kick
+    return half_kick
 
 
-def _begin_soil(grid: Grid, kick: Array) -> None:
+def _begin_soil(grid: Grid, half_kick: Array) -> None:
     """Move the static resistance of soil from t = 0 to half a step before t = 0.
 
     The tension of cells is known at that time, too. `resistance` of the soil is changed
-    in place. `kick` are the changes of velocity by half a kick at t = 0, m/s [node].
-    The resistance is not limited here: the first step limits it.
+    in place. `half_kick` are the changes of velocity by half a kick of the forces at
+    t = 0, m/s [node]. The resistance is not limited here: the first step limits it.
     """
     soil = grid.soil
     # Velocity v against the ground at t = 0, and its change by half a kick. The ground
     # gains `ground_acceleration`, m/s, in a step, and half of it in half a step.
     v = grid.velocity[soil["node"]] - grid.run["ground_velocity"]
-    change = kick[soil["node"]] - grid.run["ground_acceleration"] / 2
+    change = half_kick[soil["node"]] - grid.run["ground_acceleration"] / 2
     # As for the tension of cells: half a step after t = 0 the resistance R has become
     # R + k (v + change)/2. The first step adds k v, with v in m/s and time in steps.
     # Therefore the resistance begins with R + k (change - v)/2.
@@ -140,7 +140,7 @@ def _initial_motion(mesh: Mesh) -> tuple[Array, Array]:
             momentum[nodes] += np.bincount(nodes_of_half_cells(N), momenta)
             edges = half_edges[::2]  # of whole cells
             strains = averages(body.strain, edges, float(body.length))
-            elongation[cells] = strains * L / N
+            elongation[cells] = strains * L / N  # L/N is the length of a cell
             left += L
     momentum[mesh.node_of_mass] += np.multiply(row.masses, row.mass_velocity)
     velocity = quotient(momentum, mesh.mass)
@@ -173,30 +173,32 @@ def _changes_by_driven_ends(mesh: Mesh, step: float, grid: Grid) -> Array:
     return scheme.velocity_changes(factors, right_side)
 
 
-def _first_kick(mesh: Mesh, step: float, grid: Grid, tension: Array) -> Array:
+def _half_kick(mesh: Mesh, step: float, grid: Grid, tension: Array) -> Array:
     """Changes of velocity, m/s [node], by half a kick of the forces at t = 0.
 
     The forces are `tension` [cell], N, those of soil, those prescribed at the ends, and
     those of links. The positions in the middle of the first step follow from the
     changed velocities. Without this change a force that begins at t = 0, between two
-    kicks, would leave a motion that changes its sign from node to node. No argument is
-    changed.
+    kicks, would leave a motion that changes its sign from node to node. A node whose
+    velocity is prescribed changes it as the ground does in the falling frame. No
+    argument is changed.
     """
     force = np.diff(tension)  # N [node], to the right
     soil = grid.soil
     # Mean velocity of the ground over the first step, in which it gains
     # `ground_acceleration`
     ground = grid.run["ground_velocity"] + grid.run["ground_acceleration"] / 2
-    v = grid.velocity[soil["node"]] - ground
+    against_ground = grid.velocity[soil["node"]] - ground  # velocity, m/s
     # The damping is that of the first step, also by Smith's law.
-    np.subtract.at(force, soil["node"], soil["resistance"] + soil["damping"] * v)
+    pull = soil["resistance"] + soil["damping"] * against_ground
+    np.subtract.at(force, soil["node"], pull)
     _add_forces_at_ends(mesh, step, grid, force)
     _add_link_forces(grid, force)
     factors = scheme.Factors(grid.lower, grid.inverse_diagonal, grid.upper)
-    # In the falling frame a held node gains velocity as the ground does, in half a kick
-    # half of the gain in a step.
-    gain_of_held = grid.run["ground_acceleration"] / 2
-    right_side = np.where(mesh.is_prescribed == 1, gain_of_held, force / 2)
+    # In the falling frame a node whose velocity is prescribed gains velocity as the
+    # ground does, in half a kick half of the gain in a step.
+    prescribed_gain = grid.run["ground_acceleration"] / 2
+    right_side = np.where(mesh.is_prescribed == 1, prescribed_gain, force / 2)
     return scheme.velocity_changes(factors, right_side)
 
 
@@ -259,7 +261,7 @@ def _initial_push(grid: Grid, link: Any) -> float:
     return float(push)
 
 
-def slow_down(mesh: Mesh, step: float, grid: Grid, kick: Array) -> None:
+def slow_down(mesh: Mesh, step: float, grid: Grid, half_kick: Array) -> None:
     """Slow down damped ends of rigid contacts that close before the first kick.
 
     The ends of a rigid contact that closes inside a step are stopped over two steps, so
@@ -267,8 +269,8 @@ def slow_down(mesh: Mesh, step: float, grid: Grid, kick: Array) -> None:
     these two steps would lie before t = 0. The push in that step is made up for here:
     it reduces the closing velocity of the ends by `_late_overlaps`. Velocities,
     displacements of pieces, lost energy of cells, and `initial_force` and
-    `initial_loss` of these links are changed. `kick` are the changes of velocity by
-    half a kick of the forces at t = 0, m/s [node].
+    `initial_loss` of these links are changed. `half_kick` are the changes of velocity
+    by half a kick of the forces at t = 0, m/s [node].
 
     Without viscosity all `_late_overlaps` are 0, and nothing is changed. Such ends
     begin to slow down half a step late, which is harmless: a sharp front returns to the
@@ -279,7 +281,8 @@ def slow_down(mesh: Mesh, step: float, grid: Grid, kick: Array) -> None:
     links = grid.links
     left = links["left_node"]
     right = links["right_node"]
-    late_overlap = _late_overlaps(mesh, step, grid, kick)  # m/s, time in steps [link]
+    # m/s, as time is counted in steps [link]
+    late_overlap = _late_overlaps(mesh, step, grid, half_kick)
     is_late = late_overlap > 0
     if not is_late.any():
         return
@@ -305,16 +308,16 @@ def slow_down(mesh: Mesh, step: float, grid: Grid, kick: Array) -> None:
         grid.pieces["displacement"] += dv[mesh.starts] / 2
         # Gain of kinetic energy, J: m v dv with the mean velocity v, and the same for
         # lateral inertia with rates of elongation in place of velocities
-        mean = (v + v_before) / 2
-        stretching = _stretching(mean)
-        dv_stretching = _stretching(dv)
-        by_mass = mesh.mass @ (mean * dv)
-        by_lateral_inertia = mesh.lateral_inertia @ (stretching * dv_stretching)
+        mean_v = (v + v_before) / 2
+        stretch_rate = _stretch_rates(mean_v)
+        rate_change = _stretch_rates(dv)
+        by_mass = mesh.mass @ (mean_v * dv)
+        by_lateral_inertia = mesh.lateral_inertia @ (stretch_rate * rate_change)
         kinetic_gain = by_mass + by_lateral_inertia
         # Gain of strain energy: work of the tensions on the elongation dv/2. The grid
         # divides energies by the step, as it counts time in steps.
-        gain = kinetic_gain / step + grid.force @ dv_stretching / 2
-        heat = grid.viscous * stretching**2  # in the step of that kick [cell]
+        gain = kinetic_gain / step + grid.force @ rate_change / 2
+        heat = grid.viscous * stretch_rate**2  # in the step of that kick [cell]
         grid.lost[:] += heat
         link["initial_force"] = push
         # The bodies lose the energy -gain. The part of it that is not heat in the cells
@@ -322,15 +325,16 @@ def slow_down(mesh: Mesh, step: float, grid: Grid, kick: Array) -> None:
         link["initial_loss"] = -gain - heat.sum()
 
 
-def _late_overlaps(mesh: Mesh, step: float, grid: Grid, kick: Array) -> Array:
+def _late_overlaps(mesh: Mesh, step: float, grid: Grid, half_kick: Array) -> Array:
     """Overlaps at the first kick that a push before t = 0 would have avoided [link].
 
     They are in m/s, as time is counted in steps. The overlap is
-    (closing - parting)/2 - gap: the ends approach with the velocity `closing`, and half
-    a kick of the forces at t = 0 reduces it by `parting`. It counts for closed rigid
-    links whose `closing` is more than twice `parting`. With little viscosity beside the
-    link only a fraction of it is returned. For all other links, and without viscosity,
-    the result is 0. `kick` is that of `slow_down`.
+    (closing - parting)/2 - gap: the ends approach with the velocity `closing` at t = 0,
+    and half a kick of the forces at t = 0 reduces it by `parting`. It counts for closed
+    rigid links with an end that can move, if it exceeds round-off and `closing` is more
+    than twice `parting`. With little viscosity beside the link only a fraction of it is
+    returned. For all other links, and without viscosity, the result is 0. `half_kick`
+    is that of `slow_down`.
     """
     v = grid.velocity
     links = grid.links
@@ -338,7 +342,7 @@ def _late_overlaps(mesh: Mesh, step: float, grid: Grid, kick: Array) -> Array:
     right = links["right_node"]
     closing = v[left] - v[right]
     # Velocity that the forces at t = 0 take from it in half a kick
-    parting = kick[right] - kick[left]
+    parting = half_kick[right] - half_kick[left]
     # Overlap at the first kick, half a step after t = 0, hence the factor 1/2
     overlap = (closing - parting) / 2 - links["gap"]
     is_late = (links["law"] == Law.RIGID) & (links["is_closed"] == 1)
@@ -354,11 +358,11 @@ def _late_overlaps(mesh: Mesh, step: float, grid: Grid, kick: Array) -> Array:
     return np.where(is_late, share * overlap, 0.0)
 
 
-def _stretching(v: Array) -> Array:
+def _stretch_rates(v: Array) -> Array:
     """Rates of elongation of the cells, m/s [cell], from velocities of the nodes.
 
     The first and the last cell, beyond the ends of the row, have the rate 0.
     """
-    stretching = np.diff(v, prepend=0.0, append=0.0)  # one cell more than nodes
-    stretching[[0, -1]] = 0.0
-    return np.asarray(stretching)
+    rates = np.diff(v, prepend=0.0, append=0.0)  # one cell more than nodes
+    rates[[0, -1]] = 0.0
+    return np.asarray(rates)
