@@ -45,9 +45,9 @@ def outside_of(run: GridRun, side: int) -> BoundaryAction | None:
 
     Both are means over each step; the velocity is that in the laboratory, m/s. The
     push, N, is positive into the row. At a wall or moved end it is the force in the
-    contact, joint or bond there; at an endless bar it is Z (wave - v) on the left and
-    Z (v - wave) on the right; at a pushed end it is the given force. None is returned
-    for a free end, and for a run without steps.
+    contact, joint or bond there; at a semi-infinite bar it is Z (wave - v) on the left
+    and Z (v - wave) on the right; at a pushed end it is the given force. None is
+    returned for a free end, and for a run without steps.
     """
     row = run.row
     if side == 0:
@@ -59,13 +59,13 @@ def outside_of(run: GridRun, side: int) -> BoundaryAction | None:
         return None
     v = run.velocity(run.mesh.ends[side])  # in the frame, at the ends of steps
     mean_velocity = (v[:-1] + v[1:]) / 2  # over each step [step]
-    # Force on a pushed end, or wave that an endless bar sends [step]
+    # Force on a pushed end, or wave that a semi-infinite bar sends [step]
     given = run.history.prescribed[:, side]
     if link in run.mesh.link_nodes:  # a wall with a contact or a joint
         force = run.recorded(link, "force")
     elif kind == "velocity":  # a wall that is bonded to the row, or a moved end
         force = run.bond_force(link)
-    elif kind == "absorbing":  # an endless bar
+    elif kind == "absorbing":  # a semi-infinite bar
         end = run.grid.ends[side]
         excess = end["background_wave"] + given - mean_velocity
         force = INWARD[side] * (end["impedance"] * excess)

@@ -344,10 +344,10 @@ def push_ends(v: Any, force: Any, ends: Any) -> None:
     """Set the forces from outside, as tensions of the cells beyond the ends of the row.
 
     These are the first and the last entry of `force`; a push is a negative tension. At
-    a pushed end the push is the prescribed one. An endless bar of impedance Z pushes
-    with Z (wave - v) at the left end and with Z (v - wave) at the right end, where
-    `wave` is `background_wave` plus the prescribed wave. At any other end the tension
-    is 0.
+    a pushed end the push is the prescribed one. A semi-infinite bar of impedance Z
+    pushes with Z (wave - v) at the left end and with Z (v - wave) at the right end,
+    where `wave` is `background_wave` plus the prescribed wave. At any other end the
+    tension is 0.
     """
     for side in range(2):
         end = ends[side]

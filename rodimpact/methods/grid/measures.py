@@ -236,8 +236,8 @@ def _end_of_dashpot(force: Floats, i: int, j: int) -> float:
 
     The time is in steps. In the last step, j - 1, the force falls linearly to 0 from
     its value at the start of this step, which is extrapolated from the means of the two
-    steps before. If this value is not positive, the force ends at the start of the step.
-    If the force acts in fewer than three steps, it ends with the last.
+    steps before. If this value is not positive, the force ends at the start of step
+    j - 1. If the force acts in fewer than three steps, it ends with the last.
     """
     if j - i < 3:
         return float(j)

@@ -172,9 +172,9 @@ def group_at_contact(
     from this end, see `mass_beyond`, the end deviates from the mean motion by
     integral(g eps dx). With the vibration energy E_vib the deviation is at any time at
     most sqrt(2 E_vib integral(g^2 dx/(E A))). This bound is enlarged by the momentum
-    that an endless bar of impedance Z at the far end and dashpots of joints can take,
-    and by the motion of the end in half a step. For a group of one node the deviation
-    and its bound are 0.
+    that a semi-infinite bar of impedance Z at the far end and dashpots of joints can
+    take, and by the motion of the end in half a step. For a group of one node the
+    deviation and its bound are 0.
     """
     mesh = run.mesh
     motion, elongation = state
@@ -233,12 +233,12 @@ def group_at_contact(
 def mean_motion(
     run: GridRun, motion: GridMotion, nodes: slice, far: int
 ) -> tuple[float, float]:
-    """Mean velocity of a group, m/s, and impedance of an endless bar at its far end.
+    """Mean velocity of a group, m/s, and impedance of a bar at its far end, kg/s.
 
     The mean velocity, in the frame, is that of the centre of mass, with two exceptions:
-    if an endless bar is at the far end, it is the velocity `background_wave` of the
-    wave from this bar; if the velocity of the far end is prescribed, as that of a wall,
-    it is this velocity. The impedance, kg/s, is 0 without an endless bar.
+    if a semi-infinite bar is at the far end, it is the velocity `background_wave` of
+    the wave from this bar; if the velocity of the far end is prescribed, as that of a
+    wall, it is this velocity. The impedance is 0 without a semi-infinite bar.
 
     Parameters
     ----------
@@ -270,8 +270,8 @@ def mass_beyond(m: Array, right_end: bool, is_held: bool) -> Array:
 
     `m` are the masses of its nodes, kg [node]. Seen from the right end (`right_end`),
     the mass beyond a cell is the mass on its left, else the mass on its right. All
-    fractions are 1 if the far end is held or endless (`is_held`), as if an infinite
-    mass were there.
+    fractions are 1 if the far end is held or a semi-infinite bar is there (`is_held`),
+    as for an infinite mass.
     """
     if is_held:
         return np.ones(len(m) - 1)  # one cell less than nodes

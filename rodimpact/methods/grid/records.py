@@ -125,7 +125,7 @@ class End:
     # Constant wave, m/s, that comes from this bar in addition to the prescribed one
     background_wave: float
     # Prescribed value in the present step: the force of a pushed end, N, the velocity
-    # of a moved end, m/s, or the wave from an endless bar, m/s, which is added to
+    # of a moved end, m/s, or the wave from a semi-infinite bar, m/s, which is added to
     # `background_wave`
     prescribed: float
 

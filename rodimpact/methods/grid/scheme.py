@@ -58,7 +58,7 @@ def grid_of(mesh: Mesh, step: float) -> Grid:
     soil has its resistance at t = 0. Time is counted in steps, see `records`. The
     equations of a step are (M + J + D/2) dv = forces, see `grid_kernel`. A cell adds
     its J + D/2 to the diagonal at both of its nodes, and subtracts it off the diagonal.
-    The diagonal also has half of the impedance of an endless bar and half of the
+    The diagonal also has half of the impedance of a semi-infinite bar and half of the
     damping of soil. A contact that is too soft for the step raises InvalidModel.
     """
     row = mesh.row
@@ -68,7 +68,7 @@ def grid_of(mesh: Mesh, step: float) -> Grid:
     # Time is counted in steps h: masses M and inertias J become M/h and J/h, and a
     # stiffness k becomes k h; impedances and dashpots are not changed.
     inertia = mesh.mass / step
-    # An endless bar pushes with Z (wave - v). The mean v over the step is the old
+    # A semi-infinite bar pushes with Z (wave - v). The mean v over the step is the old
     # velocity plus dv/2, so Z/2 belongs to dv.
     inertia[mesh.ends] += impedance / 2
     off_diagonal = off_diagonal_of(mesh, step)
@@ -77,7 +77,7 @@ def grid_of(mesh: Mesh, step: float) -> Grid:
     soil = soil_of(mesh, step)
     # Smith's damping is proportional to the resistance: it changes from step to step.
     has_changing_damping = (soil["is_smith"] > 0) & (soil["damping_factor"] > 0)
-    # [node]; half, as for an endless bar
+    # [node]; half, as for a semi-infinite bar
     soil_damping = np.bincount(soil["node"], soil["damping"] / 2, n)
     loaded_diagonal = diagonal + soil_damping
     factors = factorise(mesh, loaded_diagonal, off_diagonal)
@@ -309,10 +309,10 @@ def boundary_values(mesh: Mesh, step: float, side: int, steps: int) -> Array:
 
     `side` is 0 on the left and 1 on the right; `step` is in s. At a moved end the value
     is the velocity in the frame, m/s, averaged over one step about the end of each
-    step. At a pushed end it is the force, N, and at an endless bar the incoming wave,
-    m/s; both are averaged over two steps about the middle of each step. The mean of the
-    first step reaches half a step before t = 0, where the value of the first half step
-    is taken. At a free end the value is 0.
+    step. At a pushed end it is the force, N, and at a semi-infinite bar the incoming
+    wave, m/s; both are averaged over two steps about the middle of each step. The mean
+    of the first step reaches half a step before t = 0, where the value of the first
+    half step is taken. At a free end the value is 0.
     """
     kind, value = mesh.row.boundaries[side]
     if kind == "velocity":

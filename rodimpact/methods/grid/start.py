@@ -27,8 +27,8 @@ def begin(mesh: Mesh, step: float, grid: Grid) -> Array:
 
     Velocities are those at t = 0, forces of cells those half a step before. Also set
     are displacements of pieces, radial strains, the resistance of soil, the waves from
-    endless bars, and which contacts are closed. The grid counts time in steps, so its
-    lengths are in m/s, see `records`; `step` is in s.
+    semi-infinite bars, and which contacts are closed. The grid counts time in steps, so
+    its lengths are in m/s, see `records`; `step` is in s.
 
     Returns
     -------
@@ -205,9 +205,10 @@ def _half_kick(mesh: Mesh, step: float, grid: Grid, tension: Array) -> Array:
 def _add_forces_at_ends(mesh: Mesh, step: float, grid: Grid, force: Array) -> None:
     """Enter the prescribed forces at both ends in the first step in `force`, N [node].
 
-    At a pushed end the given force is added to the force on its node. At an endless bar
-    the force of the given wave replaces the force on the node: the background wave
-    keeps the state at t = 0 in balance, so that only the given wave changes it.
+    At a pushed end the given force is added to the force on its node. At a
+    semi-infinite bar the force of the given wave replaces the force on the node: the
+    background wave keeps the state at t = 0 in balance, so that only the given wave
+    changes it.
     """
     for side, (kind, _) in enumerate(mesh.row.boundaries):
         node = mesh.ends[side]
