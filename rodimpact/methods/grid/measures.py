@@ -295,7 +295,8 @@ def _share_with_overlap(gap: Floats, i: int, j: int) -> float:
         curve = (1 - rise_before / rise) / 2
     slope = 1 - curve
     overlap_ratio = -first_gap / rise
-    # Positive root of curve s^2 + slope s = overlap_ratio, without cancellation
+    # Positive root of curve s^2 + slope s = overlap_ratio, without cancellation;
+    # round-off might make its discriminant negative
     root = math.sqrt(max(slope * slope + 4 * curve * overlap_ratio, 0.0))
     return 2 * overlap_ratio / (slope + root)
 

@@ -226,9 +226,9 @@ class Mesh:
         First and last node of each group of pieces with joints between them.
     has_radial_strain : bool
         Whether any cell has a radial strain of its own.
-    implicit : bool
-        Whether new velocities depend on each other, by viscosity or lateral inertia by
-        Rayleigh and Love.
+    couples_nodes : bool
+        Whether the velocity changes of neighbouring nodes in a step depend on each
+        other, by viscosity or lateral inertia by Rayleigh and Love.
 
     Raises
     ------
@@ -289,7 +289,7 @@ class Mesh:
             recorded.extend((cell - 1, cell))  # the nodes on both sides of the cell
         self.recorded_nodes = list(dict.fromkeys(recorded))  # each once
         self.has_radial_strain = bool(np.any(self.cells.radial_inertia))
-        self.implicit = bool(np.any(self.viscous) or np.any(self.lateral_inertia))
+        self.couples_nodes = bool(np.any(self.viscous) or np.any(self.lateral_inertia))
 
     def _lay_out(self, driven: list[int]) -> int:
         """Assign nodes and cells to the row; return the index of the last node.
@@ -303,7 +303,7 @@ class Mesh:
         """
         row = self.row
         outer_links = (0, len(row.links) - 1)
-        recorded_links = set(row.contact_link)
+        recorded_links = set(row.contact_link)  # its entry -1 is no link
         for side in driven:
             recorded_links.add(outer_links[side])
         node = 0  # last node so far; the first piece begins at the left end of the row

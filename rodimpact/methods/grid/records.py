@@ -39,7 +39,7 @@ class Run:
     kept_states: int  # number of states stored in this window
     has_radial_strain: int  # 1: cells have radial strains
     is_implicit: int  # 1: there is damping, lateral inertia, soil or drag
-    shafts: int  # number of rods with soil or drag along their shafts
+    shaft_count: int  # number of rods with soil or drag along their shafts
     soil_changes_equations: int  # 1: the damping of soil depends on its resistance
     ground_velocity: float  # velocity of the ground at t = 0
     ground_acceleration: float  # change of this velocity in a step

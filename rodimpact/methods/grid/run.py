@@ -266,7 +266,7 @@ class GridRun:
             prescribed=np.empty((steps, 2)),
             velocities=np.empty((steps, len(grid.recorded_nodes))),
             tensions=np.empty((steps, len(grid.recorded_cells))),
-            shafts=np.empty((steps, grid.run["shafts"][0]), SHAFT_FORCE),
+            shafts=np.empty((steps, grid.run["shaft_count"][0]), SHAFT_FORCE),
             when=np.empty(states, np.int64),
             lost=np.empty(states),
             velocity=np.empty((states, n)),
@@ -620,7 +620,7 @@ def step_time(mesh: Mesh, *, plain: bool) -> float:
     factor = 1  # time of a cell relative to that in an explicit step
     if mesh.has_radial_strain:  # radial strains take as long as the nodes
         factor += 1
-    if mesh.implicit:
+    if mesh.couples_nodes:  # equations are solved
         factor += of_equations
     return of_step + len(mesh.mass) * factor * of_cell
 

@@ -89,8 +89,8 @@ def grid_of(mesh: Mesh, step: float) -> Grid:
             1,
             velocity_tolerance=VELOCITY_RTOL * row.scale,
             has_radial_strain=mesh.has_radial_strain,
-            is_implicit=mesh.implicit or len(soil) > 0,
-            shafts=len(shaft_bodies(row)),
+            is_implicit=mesh.couples_nodes or len(soil) > 0,
+            shaft_count=len(shaft_bodies(row)),
             soil_changes_equations=bool(has_changing_damping.any()),
             **ground_velocities(mesh, step),
         ),
@@ -235,16 +235,16 @@ def _links(mesh: Mesh, step: float, responses: Responses) -> Array:
     right = np.array(mesh.starts[1:], np.int64)
     leftmost: Any
     rightmost: Any
-    if mesh.implicit:  # a force changes the velocities of its whole piece in a step
+    if mesh.couples_nodes:  # a force changes the velocities of its whole piece
         leftmost = mesh.starts[:-1]  # first node of the piece on the left
         rightmost = mesh.stops[1:]  # last node of the piece on the right
     else:  # a force changes the velocity of its node alone
         leftmost = left
         rightmost = right
     # The piece between two links couples them: the force of the link before acts on the
-    # first node of the piece and moves its last node, the left node of this link. In
-    # explicit steps only a piece of a single node does so. The closing velocity of a
-    # step is the mean of the values before and after it, hence the factor 1/2.
+    # first node of the piece and moves its last node, the left node of this link. If
+    # nodes are not coupled, only a piece of a single node does so. The closing velocity
+    # of a step is the mean of the values before and after it, hence the factor 1/2.
     coupling = np.zeros(count)  # stays 0 for the first link
     coupling[1:] = responses.by_first[left[1:]] / 2
     links: Array = filled(

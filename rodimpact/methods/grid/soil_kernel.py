@@ -75,8 +75,8 @@ def record_soil(run: Run, soil: Any, v: Any, old_velocity: Any, shafts: Any) -> 
     """
     # Mean velocity over the step: half of the change in the step is added.
     ground = ground_velocity(run) + run.ground_acceleration / 2
-    first = (run.step - run.first_step) * run.shafts  # first entry of this step
-    for i in range(run.shafts):
+    first = (run.step - run.first_step) * run.shaft_count  # first entry of this step
+    for i in range(run.shaft_count):
         shaft = shafts[first + i]
         shaft.force = 0.0
         shaft.power = 0.0
