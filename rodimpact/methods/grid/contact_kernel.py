@@ -67,8 +67,8 @@ def solve_link(link: Link, c: float) -> tuple[float, float, float]:
     x0 = -link.gap
     y = link.self_mobility
     free_x1 = x0 + c  # x1 without the link's own force, an upper bound of x1
-    # x is the first guess of x1, if possible on the right of the root: the residual
-    # x - free_x1 + y F(x0, x) increases with x and is 0 at the root.
+    # x is the iterate for x1. The first guess is, if possible, on the right of the
+    # root: the residual x - free_x1 + y F(x0, x) increases with x and is 0 at the root.
     yields = False  # whether x1 is beyond the overlap at which the contact yields
     if link.law == Law.YIELD:
         elastic_limit = link.yield_force / link.stiffness
@@ -93,21 +93,21 @@ def solve_link(link: Link, c: float) -> tuple[float, float, float]:
         further_slope = 0.0
         if yields:
             further_slope = residual / (x - x0)
-        step = residual / (1 + y * slope + further_slope)
-        F = F - slope * step  # the force at the new x, to first order
-        x = min(x - step, free_x1)
+        newton_step = residual / (1 + y * slope + further_slope)
+        F = F - slope * newton_step  # the force at the new x, to first order
+        x = min(x - newton_step, free_x1)
         # The Newton step is compared with the overlap, or, if the contact opens in this
         # step, with the change of the gap.
         if x > 0:
             size = x
         else:
             size = x0 - x
-        # In a soft contact x has the round-off of the closing. In a stiff contact the
-        # overlap is much smaller than the closing that it stops.
-        tolerance = 0.0
+        # In a soft contact (y slope <= 1) x has the round-off of x0 + c. In a stiff
+        # contact the overlap is much smaller than the closing that it stops.
+        round_off = 0.0
         if y * slope <= 1:
-            tolerance = 4 * EPS * (abs(x0) + abs(c))
-        if abs(step) <= max(NEWTON_RTOL * size, tolerance):
+            round_off = 4 * EPS * (abs(x0) + abs(c))
+        if abs(newton_step) <= max(NEWTON_RTOL * size, round_off):
             break
     if y * slope > 1:
         # For a stiff contact the equation gives F more accurately than the law, because

@@ -434,10 +434,11 @@ def solve_contact_chain(run: Run, v: Any, links: Any, first: int) -> bool:
     """Find the forces of a chain of links; return False if they were not found.
 
     Links that are coupled by bodies between them make a chain, see `contact_kernel`;
-    `first` is the first link of the chain. v are the velocities at the end of the step
-    without link forces; they are not changed. `force`, `force_free_closing`,
-    `max_closing`, `overlap` and `force_slope` of each link of the chain are set; gaps
-    and closings are not changed.
+    `first` is the first link of the chain. If impacts begin, all forces of the chain
+    are found once more. v are the velocities at the end of the step without link
+    forces; they are not changed. `force`, `force_free_closing`, `max_closing`,
+    `overlap` and `force_slope` of each link of the chain are set; gaps and closings are
+    not changed.
     """
     last = links[first].chain_end
     speed = 0.0  # bound of the speeds of the bodies beside a link, m/s
@@ -457,8 +458,8 @@ def solve_contact_chain(run: Run, v: Any, links: Any, first: int) -> bool:
             # Only rigid contacts use this value. A contact that is closed has the
             # closing velocity u at the start of the step and 0 at its end: the mean is
             # u/2. A contact that closes inside the step is stopped over two steps. With
-            # u1 between them, their closings (u + u1)/2 and u1/2 add up to the gap: the
-            # first is gap/2 + u/4.
+            # u1 between them, their closings (u + u1)/2 and u1/2 add up to the gap: u1
+            # is gap - u/2, and the closing of this step is gap/2 + u/4.
             if link.is_closed == 1:
                 max_closing = link.old_closing / 2
             else:

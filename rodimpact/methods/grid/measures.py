@@ -326,23 +326,23 @@ def share_of_jump(force: Floats) -> float:
     return float(last / extrapolated)
 
 
-def _opening(gap: Floats, k: int, open_gap: float, force_end: float) -> float:
-    """Time at which two bodies separate before step end k, in steps.
+def _opening(gap: Floats, open_end: int, open_gap: float, force_end: float) -> float:
+    """Time at which two bodies separate before step end `open_end`, in steps.
 
-    At step end k their gap exceeds `open_gap`, m, for the first time since their force
-    ended at `force_end`, in steps; this is nan if the force acts to the end of the run.
-    The bodies separate at the last zero of the gap, but not before `force_end`.
+    At this step end their gap exceeds `open_gap`, m, for the first time since their
+    force ended at `force_end`, in steps; this is nan if the force acts in the last
+    step. The bodies separate at the last zero of the gap, but not before `force_end`.
     However, numerical dispersion opens small false gaps first, which do not accelerate.
     After such a false gap the bodies separate later: at the vertex of the parabola that
     rises from 0 and has the gaps `open_gap`/2 and `open_gap` at the same times as the
     gap.
     """
     # With nan as its second argument max returns the first one.
-    last_zero = max(_passing_time(gap, k, 0.0), force_end)
+    last_zero = max(_passing_time(gap, open_end, 0.0), force_end)
     # A parabola in proportion to (t - vertex)^2: the times since the vertex at half the
     # level and at the level have the ratio sqrt(1/2).
-    half_passed = _passing_time(gap, k, open_gap / 2)
-    passed = _passing_time(gap, k, open_gap)
+    half_passed = _passing_time(gap, open_end, open_gap / 2)
+    passed = _passing_time(gap, open_end, open_gap)
     vertex = passed - (passed - half_passed) / (1 - math.sqrt(0.5))
     midpoint = (last_zero + vertex) / 2
     gap_at_midpoint, gap_at_vertex = np.interp(
@@ -356,13 +356,14 @@ def _opening(gap: Floats, k: int, open_gap: float, force_end: float) -> float:
     return last_zero
 
 
-def _passing_time(gap: Floats, k: int, level: float) -> float:
-    """Last time before step end k at which a gap was equal to `level`, m, in steps.
+def _passing_time(gap: Floats, open_end: int, level: float) -> float:
+    """Last time before step end `open_end` at which a gap was equal to `level`, m.
 
-    At step end k the gap is larger. Between step ends the gap is a straight line. If
-    the gap was larger than `level` at all times, k - 1 is returned.
+    The time is in steps. At `open_end` the gap is larger. Between step ends the gap is
+    a straight line. If it was larger than `level` at all times, `open_end` - 1 is
+    returned.
     """
-    for i in range(k - 1, -1, -1):  # backwards from k - 1 to 0
+    for i in range(open_end - 1, -1, -1):  # backwards to 0
         if gap[i] <= level:  # the gap passes the level in step i
             return i + float((level - gap[i]) / (gap[i + 1] - gap[i]))
-    return k - 1.0
+    return open_end - 1.0

@@ -293,6 +293,7 @@ def mesh_size(
     else:
         step = dt
     worst = int(np.argmin(stable_steps))
+    # Only a given `dt` can be too long.
     if step > STABLE_COURANT * stable_steps[worst]:
         message = (
             f"would be unstable in {row.paths[worst + 1]}, where {counts[worst]:g} "
