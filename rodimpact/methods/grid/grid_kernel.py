@@ -115,7 +115,7 @@ def run_steps(grid: Any, history: Any, until: int) -> bool:
     kept_rate = borrowed(history.radial_rate)
     while True:
         # The state at the end of the last step is stored if it is wanted.
-        if run.kept_states < len(when) and when[run.kept_states] == run.step:
+        if run.kept_states < len(when) and when[run.kept_states] == run.steps_taken:
             keep_nodes(run, v, force, stiffness, kept_velocity, kept_force)
             if run.has_radial_strain > 0:
                 keep_radial_strains(
@@ -125,7 +125,7 @@ def run_steps(grid: Any, history: Any, until: int) -> bool:
             keep_pieces(run, pieces, lost, kept_displacement, kept_lost)
             soil_kernel.keep_soil(run, soil, v, resistance)
             run.kept_states += 1
-        if run.step >= until:
+        if run.steps_taken >= until:
             return True
         set_step_inputs(run, v, links, ends, prescribed)
         # Drift: displacements and forces are those in the middle of the step.
@@ -176,7 +176,7 @@ def run_steps(grid: Any, history: Any, until: int) -> bool:
         soil_kernel.record_soil(run, soil, v, old_velocity, shafts)
         store_selected(run, v, recorded_nodes, velocities)
         store_selected(run, force, recorded_cells, tensions)
-        run.step += 1
+        run.steps_taken += 1
 
 
 def keep_nodes(
@@ -256,26 +256,26 @@ def set_step_inputs(run: Run, v: Any, links: Any, ends: Any, prescribed: Any) ->
     """Set `old_closing` of the links and `prescribed` of both ends for this step.
 
     `old_closing` is the closing velocity before the step, from the velocities v. The
-    values of both ends are the row of this step in `prescribed`
+    values of both ends are those of this step in `prescribed`
     [step of the window, side], which is flat.
     """
     for i in range(len(links)):
         link = links[i]
         link.old_closing = v[link.left_node] - v[link.right_node]
-    row = run.step - run.first_step  # row of this step, of 2 entries
+    step_in_window = run.steps_taken - run.first_step
     for side in range(2):
-        ends[side].prescribed = prescribed[2 * row + side]
+        ends[side].prescribed = prescribed[2 * step_in_window + side]
 
 
 def store_selected(run: Run, values: Any, selected: Any, table: Any) -> None:
     """Store some of the `values`, at the indices `selected`, in a table.
 
-    They are written to the row of this step. The table [step of the window, selected]
-    is flat.
+    They are written to the entries of this step. The table [step of the window,
+    selected] is flat.
     """
-    row = run.step - run.first_step
+    step_in_window = run.steps_taken - run.first_step
     for k in range(len(selected)):
-        table[row * len(selected) + k] = values[selected[k]]
+        table[step_in_window * len(selected) + k] = values[selected[k]]
 
 
 def drift_pieces(pieces: Any, v: Any) -> None:
@@ -527,8 +527,8 @@ def record_links(run: Run, v: Any, links: Any, signals: Any) -> None:
             # A force holds the closing at this value: the same without round-off.
             link.closing = link.max_closing
         link.gap = contacts.updated_gap(link, link.closing, run.velocity_tolerance)
-        row = run.step - run.first_step  # row of this step in `signals`
-        signal = signals[row * len(links) + i]
+        step_in_window = run.steps_taken - run.first_step
+        signal = signals[step_in_window * len(links) + i]
         signal.force = link.force
         signal.gap = link.gap
         # The gap of a rigid or yielding contact does not follow its closing while it
@@ -538,7 +538,7 @@ def record_links(run: Run, v: Any, links: Any, signals: Any) -> None:
             signal.closing = link.closing
         else:
             signal.closing = gap_before - link.gap
-        has_initial_force = run.step == 0 and link.initial_force > 0
+        has_initial_force = run.steps_taken == 0 and link.initial_force > 0
         if has_initial_force:
             # Energy lost in the link: by `initial_force`, and the work of its own force
             lost = link.initial_loss + link.force * link.closing

@@ -34,7 +34,7 @@ n on. Loops over few entries do not need it.
 class Run:
     """The state of a run."""
 
-    step: int  # steps taken
+    steps_taken: int
     first_step: int  # steps taken when the present window of `StepHistory` began
     kept_states: int  # number of states stored in this window
     has_radial_strain: int  # 1: cells have radial strains

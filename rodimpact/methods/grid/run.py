@@ -157,7 +157,7 @@ class GridRun:
     @property
     def steps(self) -> int:
         """Number of steps taken so far."""
-        return int(self.grid.run["step"][0])
+        return int(self.grid.run["steps_taken"][0])
 
     @property
     def round_trip(self) -> int:

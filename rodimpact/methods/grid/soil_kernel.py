@@ -29,7 +29,7 @@ def ground_velocity(run: Run) -> float:
     The frame falls with the acceleration g, so the velocity of the ground changes by
     `ground_acceleration`, -g dt, in each step.
     """
-    return run.ground_velocity + run.step * run.ground_acceleration
+    return run.ground_velocity + run.steps_taken * run.ground_acceleration
 
 
 def move_soil(run: Run, soil: Any, v: Any) -> None:
@@ -75,7 +75,8 @@ def record_soil(run: Run, soil: Any, v: Any, old_velocity: Any, shafts: Any) -> 
     """
     # Mean velocity over the step: half of the change in the step is added.
     ground = ground_velocity(run) + run.ground_acceleration / 2
-    first = (run.step - run.first_step) * run.shaft_count  # first entry of this step
+    step_in_window = run.steps_taken - run.first_step
+    first = step_in_window * run.shaft_count  # first entry of this step
     for i in range(run.shaft_count):
         shaft = shafts[first + i]
         shaft.force = 0.0
