@@ -61,6 +61,9 @@ class Chain:
     """
 
     def __init__(self, pile, segments):
+        """`segments` springs and one mass more, at rest; the end masses, and the shares
+        of the shaft at them, are half as large as the others.
+        """
         self.pile = pile
         cell = pile.length / segments
         share = np.full(segments + 1, 1 / segments)

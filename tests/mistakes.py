@@ -18,9 +18,8 @@ def problems(make):
 
 
 def assert_told(make, expected):
-    """`make()` is refused for exactly these mistakes, in this order: {path: text}.
-
-    A text is a part of the message; after a leading "=" it is all of it.
+    """`make()` is refused for exactly the mistakes of `expected`, {path: text}, in this
+    order. A text is a part of the message, or all of it if it begins with "=".
     """
     messages = problems(make)
     assert list(messages) == list(expected)

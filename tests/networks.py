@@ -215,7 +215,9 @@ def shifted_body(body, v):
 
 
 def shifted_end(end, v):
-    """An end of a row that is faster by v, m/s, if its velocity is given at all."""
+    """The end of a row seen from a frame that moves at -v: a fixed or moved end is
+    faster by v, m/s, and any other end is unchanged.
+    """
     if isinstance(end, ri.Fixed):
         return ri.Moved(v)
     if isinstance(end, ri.Moved):

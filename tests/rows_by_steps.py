@@ -76,14 +76,14 @@ pulls; crushed further, so that an elastic part of the overlap is counted.
 
 
 class Cell(NamedTuple):
-    """One cell of a line: times in s, Chebyshev coefficients, and whether a break
-    starts it.
+    """One cell of a line: times in s at which it left, Chebyshev coefficients, and
+    whether the wave has a break at its start.
     """
 
     start: float
     stop: float
     coefficients: np.ndarray
-    breaks: bool
+    starts_at_break: bool
 
 
 class Line:
@@ -95,7 +95,7 @@ class Line:
         coefficients = np.zeros(STAGES)
         coefficients[0] = value
         self.transit = transit
-        self.cells = [Cell(-transit, 0.0, coefficients, breaks=False)]
+        self.cells = [Cell(-transit, 0.0, coefficients, starts_at_break=False)]
         self.reading = 0
 
     def known_until(self):
@@ -110,19 +110,19 @@ class Line:
             self.reading += 1
 
     def next_break(self, time, end):
-        """Arrival of the next breakpoint after `time`, or `end`."""
-        for cell in self.cells[self.reading :]:
+        """Arrival of the next breakpoint after `time`, s; `end` if it is not before."""
+        for cell in self.cells[self.reading :]:  # in the order of their arrival
             arrival = cell.start + self.transit
             if arrival >= end:
                 break
-            if cell.breaks and arrival > time:
+            if cell.starts_at_break and arrival > time:
                 return arrival
         return end
 
     def breaks_at(self, time):
         """Whether a breakpoint arrives just at `time`."""
         cell = self.cells[self.reading]
-        return cell.breaks and cell.start + self.transit == time
+        return cell.starts_at_break and cell.start + self.transit == time
 
     def values(self, times):
         """Incoming wave at increasing times, which begin with the cell that is being
@@ -330,6 +330,10 @@ class Row:
     """
 
     def __init__(self, system, tolerance=1e-12):
+        """Make links and nodes of the system at rest at time 0, and the scales of the
+        errors: the longest transit time, the range of initial velocities, and the
+        largest mobility.
+        """
         self.system = system
         self.tolerance = tolerance
         self.links = []

@@ -159,7 +159,9 @@ def test_the_manual_is_no_longer_than_it_may_be():
 
 @pytest.mark.parametrize("count", few_of([2, 7], [2]))
 def test_figures_of_the_theory_are_committed_with_the_words_of_their_functions(count):
-    """Only the first functions, which are drawn quickly, are compared."""
+    """The page on theory shows the figures of all its functions, each file below 60 kB.
+    The words that the first `count` functions draw are in their files.
+    """
     spec = importlib.util.spec_from_file_location(
         "figures", ROOT / "docs" / "theory_figures.py"
     )
@@ -196,6 +198,9 @@ def blocks(kind):
 
 @pytest.mark.parametrize("block", blocks("sh"))
 def test_commands_of_the_manual_take_their_options(block, monkeypatch):
+    """Each `rodimpact` command of a block of the manual is parsed, with its `run`
+    replaced by one that does nothing; `main` returns 0.
+    """
     from rodimpact.cli import main
     from rodimpact.cli.exit_status import CommandResult
 
@@ -215,6 +220,10 @@ def test_commands_of_the_manual_take_their_options(block, monkeypatch):
 
 @pytest.mark.parametrize("block", blocks("python"))
 def test_python_of_the_manual_runs(block, tmp_path, monkeypatch):
+    """A block of Python of the manual is executed in an empty folder with a case file,
+    with `ri`, `np`, `family` and `tqdm` defined; functions named `test_...` in it are
+    called.
+    """
     monkeypatch.chdir(tmp_path)
     rods = [
         rodimpact.Rod(

@@ -159,6 +159,9 @@ def imported_libraries(text):
 
 
 def test_only_plot_imports_matplotlib_and_one_file_imports_numba():
+    """Outside `plot`, no module imports matplotlib; only `methods.compiling` has
+    "import numba", and none has "from numba".
+    """
     for name, path in modules():
         text = path.read_text(encoding="utf-8")
         if "matplotlib" in text and not name.startswith("plot"):

@@ -51,7 +51,7 @@ OBJECTS = {
 CONTRIBUTING = (ROOT / "docs" / "contributing.md").read_text("utf-8")
 
 
-def spans(text):
+def code_spans(text):
     """Pieces of code between single backquotes, without blocks and roles."""
     without_blocks = re.sub(r"```.*?```", "", text, flags=re.S)
     without_roles = re.sub(r"\{\w+\}`[^`]+`", "", without_blocks)
@@ -100,7 +100,7 @@ def names_of_package(text):
     """Dotted names below the package, in roles and in code."""
     roles = re.findall(r"\{(?:func|class|meth|mod|attr)\}`[^`<]*?<?~?([\w.]+)>?`", text)
     names = [role.removeprefix("rodimpact.") for role in roles]
-    for span in spans(text):
+    for span in code_spans(text):
         for path in re.findall(r"\bri\.([A-Za-z_][\w.]*)", span):
             names.append(path.rstrip("."))
         named = re.match(r"rodimpact\.([A-Za-z_][\w.]*)", span)
@@ -121,7 +121,7 @@ def attributes_of_objects(text):
     """Texts like `solution.outcome`, of the variables in `OBJECTS`."""
     attributes = []
     variables = "|".join(OBJECTS)
-    for span in spans(text):
+    for span in code_spans(text):
         if span.startswith("["):  # a table of a case file
             continue
         attributes += re.findall(rf"\b((?:{variables})\.[a-z_]+)", span)
@@ -137,10 +137,14 @@ def test_attributes_of_objects_exist(path):
 
 
 def files(text):
-    """Names of files and folders, in code and in links."""
+    """Names of files and folders: code between backquotes that ends with a known suffix
+    or a slash, and targets of links that are not web addresses, without anchors.
+    """
+    file = rf"[\w./-]+\.({SUFFIXES})"
+    folder = r"[\w.-]+(/[\w.-]+)*/"  # it ends with a slash
     names = []
-    for span in spans(text):
-        if re.fullmatch(rf"[\w./-]+\.({SUFFIXES})|[\w.-]+(/[\w.-]+)*/", span):
+    for span in code_spans(text):
+        if re.fullmatch(file, span) or re.fullmatch(folder, span):
             names.append(span)
     links = re.findall(r"\]\(([^)#\s]+)", text)
     names += [link for link in links if "://" not in link]
@@ -164,11 +168,14 @@ def test_files_exist():
 
 def commands(text):
     """Pieces of code that call the program."""
-    return [span for span in spans(text) if re.match(r"rodimpact( |$)", span)]
+    return [span for span in code_spans(text) if re.match(r"rodimpact( |$)", span)]
 
 
 @pytest.mark.parametrize("span", each_page(commands))
 def test_commands_and_their_options_exist(span, capsys):
+    """A `rodimpact` command that a page mentions exists, and its help names each option
+    of the mention. Mentions without a command, or with the word COMMAND, pass.
+    """
     _, *words = shlex.split(span)
     if not words or not words[0].isalpha():  # no command, but options or a file
         return
@@ -211,7 +218,7 @@ def sources():
 def test_identifiers_on_the_page_for_contributors_stand_in_the_sources():
     words = set(re.findall(r"\w+", sources()))
     unknown = []
-    for span in spans(CONTRIBUTING):
+    for span in code_spans(CONTRIBUTING):
         if re.match(r"(git|npx|pytest|rodimpact|python|grep|pip|playwright|\.)", span):
             continue
         if "*" in span or span in files(CONTRIBUTING):

@@ -56,9 +56,9 @@ class Terminal(io.StringIO):
 
 
 def watched(monkeypatch):
-    """A terminal on standard error, on which bars appear at once.
-
-    No fixture: pytest puts its own standard error in place before it calls a test.
+    """A terminal that replaces standard error, and on which progress bars appear and
+    are redrawn at once. It is no fixture: pytest sets its own standard error just
+    before it calls a test.
     """
     terminal = Terminal()
     monkeypatch.setattr(sys, "stderr", terminal)
@@ -221,6 +221,9 @@ def test_calls_inside_a_silent_call_are_silent(monkeypatch, wanted):
 
 @pytest.mark.parametrize("error", [ValueError, KeyboardInterrupt])
 def test_an_error_takes_the_bar_away(monkeypatch, error):
+    """An error is raised while a bar is shown: the line of the terminal is empty
+    afterwards, and warnings are shown as before.
+    """
     terminal = watched(monkeypatch)
     before = warnings.showwarning
 

@@ -181,8 +181,9 @@ def test_a_stack_is_a_row_of_collisions():
 
 
 def test_a_small_gap_makes_stacked_balls_collide_one_after_another():
-    """The velocity of the upper ball is that of `stack_drop`; the tutorial and both
-    helps say so.
+    """Two masses fall on a wall, with a gap of 1 um between them. The velocity of the
+    upper one after its first contact is that of `stack_drop`. The tutorial and two
+    docstrings name this gap.
     """
     masses = [0.6, 0.06]
     laws = [ri.Rigid(restitution=0.9), ri.Rigid(restitution=0.6)]

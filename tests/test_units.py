@@ -83,6 +83,7 @@ def test_every_unit_is_what_it_is_to_pint():
 
 
 def test_no_unit_belongs_to_two_dimensions():
+    """The names of the units of all dimensions are distinct."""
     names = []
     for units_of_dimension in units.UNITS.values():
         names += units_of_dimension

@@ -369,6 +369,10 @@ def test_a_property_that_fails_raises_its_own_error():
 
 
 def test_type_errors_inside_a_function_are_not_taken_for_wrong_arguments():
+    """A function explains its unknown arguments; a TypeError raised in its body keeps
+    its own message.
+    """
+
     @explain_arguments
     def half(x):
         return x / 2

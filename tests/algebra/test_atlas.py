@@ -122,6 +122,9 @@ def test_borders_are_found_where_floats_do_not_decide_the_sign():
 
 
 def test_cells_beyond_the_cap_are_unresolved(uniform_atlas):
+    """An atlas of at most 2 cells has exactly 2. Points outside them are located in
+    cell -1, and only these have a restitution of nan.
+    """
     lengths = np.linspace(0.6, 3.5, 20)
     areas = np.linspace(0.5, 1.6, 20)
     x, y = np.meshgrid(lengths, areas)
@@ -141,6 +144,9 @@ def test_cells_beyond_the_cap_are_unresolved(uniform_atlas):
 
 
 def test_runs_that_do_not_end_count_as_cells(uniform_atlas, monkeypatch):
+    """At most 5 events are allowed a run, too few for some. An atlas of at most 40
+    cells then starts 40 runs and has fewer cells.
+    """
     runs = []
 
     def counted_start(*arguments, **options):

@@ -40,7 +40,7 @@ def only_contact(form):
 
 
 def names(*letters):
-    """Positive symbols: each letter with 1, then with 2."""
+    """Positive symbols: for each letter, the letter with 1 and with 2, as a list."""
     numbered = []
     for letter in letters:
         numbered += [f"{letter}1", f"{letter}2"]
@@ -295,7 +295,9 @@ def agrees_at_its_border(form, system, paths, rng):
 
 
 def random_row(rng, count):
-    """Rods of random transit times and impedances, often commensurate ones."""
+    """A row of `count` rods with random rational transit times and impedances; in 40 %
+    of the rows these are small multiples of one unit.
+    """
     commensurate = rng.random() < 0.4
     T = []
     Z = []

@@ -81,6 +81,9 @@ assert not {"numpy", "numba", "matplotlib"} & set(sys.modules)
 
 
 def test_help_lists_exit_statuses_and_commands_with_their_own_help(output_of):
+    """`--help` lists the six exit statuses and every command, and each command has a
+    help of its own.
+    """
     text = output_of("--help")
 
     statuses = text.partition("exit status:")[2]
@@ -312,6 +315,9 @@ main()
 @pytest.mark.skipif(os.name == "nt", reason="no such signals")
 @pytest.mark.usefixtures("children_hear_signals")
 def test_ctrl_c_before_the_program_listens_shows_no_traceback(tmp_path):
+    """The program is interrupted while it imports: it ends with status 130 and writes
+    nothing to standard error.
+    """
     # The program imports argparse before it listens: this module is found first.
     waiting = "print('starting', flush=True)\nimport time\ntime.sleep(60)\n"
     (tmp_path / "argparse.py").write_text(waiting)
@@ -650,6 +656,9 @@ def test_a_falsified_outcome_is_told_where_the_same_run_is_made(case, capsys):
 
 
 def test_all_mistakes_of_a_saved_solution_are_reported_at_once(case, refuses):
+    """A saved solution is edited with four mistakes and run with a wrong `--save`: all
+    six paths are reported.
+    """
     main(["run", str(case), "--save", "run.toml"])
     text = Path("run.toml").read_text("utf-8")
     text = text.replace("length = 0.4", "length = -1")
@@ -800,6 +809,9 @@ def test_a_wrong_solver_is_noticed(monkeypatch, method):
 
 
 def test_materials_are_listed_by_name(output_of):
+    """`materials brass oak` prints these two with their units and no other; with
+    `--json` it gives the same names as data.
+    """
     text = output_of("materials", "brass", "oak")
     data = json.loads(output_of("materials", "brass", "--json"))
 
@@ -846,6 +858,9 @@ def test_doctor_shows_versions_the_compiler_and_the_cache(output_of):
 
 
 def test_doctor_says_how_long_it_took_to_compile_everything(monkeypatch, output_of):
+    """`doctor --warm` reports the seconds as text and as JSON, and that machine code
+    has no folder where it can be kept. Compiling is replaced.
+    """
     monkeypatch.setattr(kernels, "why_not", lambda: "")
     monkeypatch.setattr(kernels, "compiled", lambda kernel: SimpleNamespace(place=""))
     monkeypatch.setattr("rodimpact.cli.doctor.warm", lambda: 24.04)
@@ -953,6 +968,10 @@ def test_box_says_when_rods_part_in_the_textbook(box_text):
 
 @pytest.mark.exhaustive
 def test_box_draws_another_format_material_and_look_and_a_dowel(tmp_path, output_of):
+    """`box` with SVG, dark colours, brass and a dowel: the text has the wave speed of
+    brass and the closed form of the dowel; 21 dark figures are written, and the page
+    shows all of them.
+    """
     options = ["--format", "svg", "--dark", "--material", "brass", "--dowel"]
     text = output_of("box", *options, "-o", str(tmp_path))
     assert "3434 m/s" in text
@@ -1049,6 +1068,9 @@ def test_a_date_of_files_that_is_none_is_refused(case, refuses, monkeypatch, dat
 
 
 def test_all_cases_of_the_validation_can_be_run():
+    """Every case file of the validation is read, and its options select one of
+    `METHODS`; nothing is solved.
+    """
     paths = sorted(CASES.glob("*.toml"))
     assert len(paths) > 5
     for path in paths:

@@ -42,6 +42,9 @@ def bearing(*argv):
 
 @pytest.mark.usefixtures("pile")
 def test_table_csv_json_and_figure_agree(output_of, tmp_path):
+    """`bearing` draws a figure, and its table, CSV and JSON give the same blow counts
+    for both resistances.
+    """
     status = main(bearing(*GRID, *SHORT, "--plot", "graph.png"))
     assert (tmp_path / "graph.png").stat().st_size > 10_000
 

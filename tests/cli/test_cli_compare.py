@@ -83,6 +83,9 @@ def channels(compared):
 
 @pytest.mark.parametrize(("name", "x"), [("near #1", 0.5), ("far", 1.0)])
 def test_shift_and_gain_of_the_record_are_found(channels, name, x):
+    """`compare` finds the known delay and gain of a record in volts; start, width and
+    plateau of the pulse, measured and predicted, are those of the struck rod.
+    """
     gauges = ["--gauge", "near #1=1:0.5", "--gauge", "far=1:100 cm"]
 
     channel = channels(*gauges, *EARLY)[name]
@@ -203,6 +206,9 @@ def test_mistakes_are_named_and_leave_no_file(refuses, tmp_path, options, messag
 
 
 def test_gauges_of_the_case_serve(compared, tmp_path):
+    """`compare` prints the same for a gauge of the case file as for the same gauge
+    given as an option.
+    """
     by_option = compared(*FAR, *EARLY)
     (tmp_path / "case.toml").write_text(CASE + GAUGE_OF_CASE)
 
@@ -246,6 +252,9 @@ def test_records_that_cannot_be_read_are_refused(refuses, name, message):
 
 @pytest.mark.filterwarnings("always::rodimpact.ClippedSignal")
 def test_a_clipped_record_is_announced(capsys, tmp_path):
+    """`compare` of a record that stays at 20 V for 21 samples succeeds, and names this
+    column on standard error.
+    """
     lines = ["t_us,far_V"]
     for i in range(61):
         volts = min(i, 20, 60 - i)

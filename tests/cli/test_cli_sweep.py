@@ -357,6 +357,9 @@ def test_all_mistakes_are_reported_at_once(case, no_sweep, refused):
 def test_options_that_are_no_positive_whole_numbers_are_refused(
     case, no_sweep, refused, option, value
 ):
+    """`sweep` refuses a count that is no positive whole number with a message that
+    names the option, and starts no sweep.
+    """
     message = f"rodimpact: {option}: must be a positive whole number"
 
     refused(message, "--vary", LENGTHS, option, value)
@@ -389,6 +392,9 @@ def test_a_sweep_keeps_no_states(case, no_sweep, refused):
 def test_options_are_checked_as_for_a_single_run(
     case, refuses, refused, solve, argv, path, sentence
 ):
+    """A wrong `[solve]` table or option is refused by `sweep` and by `run` with the
+    same text, which names its path.
+    """
     case.write_text(CASE + f"[solve]\n{solve}\n")
 
     of_sweep = refused(f"rodimpact: {path}: ", "--vary", LENGTHS, *argv)

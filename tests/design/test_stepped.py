@@ -225,6 +225,9 @@ def test_areas_at_a_limit_are_reported_in_the_design_and_in_its_picture():
 
 @pytest.mark.exhaustive
 def test_wider_limits_bring_the_pulse_nearer():
+    """A striker of three segments is designed for a pulse that is too high: with a
+    wider range of areas the misfit is smaller.
+    """
     high = ri.Steps([5 * PEAK, 0.0], [T])
 
     narrow = designed(high, segments=3)

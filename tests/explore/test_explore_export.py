@@ -178,6 +178,9 @@ def test_a_page_that_prints_says_how_it_is_seen():
 
 
 def test_physics_that_the_page_lacks_is_told_before_an_option_that_it_needs():
+    """`explore` of a pile in soil without `until` says that the page cannot solve it,
+    and nothing of `until`.
+    """
     ram = ri.RigidMass(1000.0, velocity=3.0)
     soil = ri.Soil(resistance=3e5, quake=2.5e-3, damping=0.2)
     pile = ri.Rod(10.0, area=1e-2, material=ri.materials.steel, shaft=soil)

@@ -439,6 +439,9 @@ def test_the_page_solves_compliant_contacts_and_masses_or_names_what_it_lacks(
 def test_mistakes_of_rows_and_gauges_have_one_path_on_the_page_and_in_the_file(
     change, gauges, path
 ):
+    """A wrong pair of rods, or a wrong gauge, is refused by the page with one mistake,
+    at the path at which the reader of case files refuses it.
+    """
     case = changed_pair(change)
     (mistake,) = mistakes(case, gauges, LIBRARY)
     assert mistake.path == path

@@ -292,6 +292,10 @@ def tables_of_state(state):
 def test_the_kernel_of_characteristics_does_the_same_on_the_same_records(
     monkeypatch, seeds
 ):
+    """The kernel in Python and its translation to JavaScript run on the same states of
+    random rows: they stop for the same reason and leave the same tables. Every reason
+    for stopping occurs.
+    """
     for module in (tick_rule, finality, layout, driver, march):
         for constant in CONSTANTS.keys() & vars(module).keys():
             monkeypatch.setattr(module, constant, CONSTANTS[constant])

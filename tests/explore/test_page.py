@@ -84,10 +84,9 @@ def solved(tmp_path):
 
 @pytest.fixture
 def visit(browser, url):
-    """Function that opens an address without a network, and returns the page.
-
-    After the test it fails if a page wrote to the console, raised an error or asked
-    for anything else.
+    """A function that opens an address, by default the page, without a network and
+    returns the page. The test fails afterwards if a page wrote to the console, raised
+    an error or asked for anything else.
     """
     contexts = []
     errors = []  # messages of the console, and requests that leave the page
@@ -225,6 +224,10 @@ def assert_the_film_ends_with_its_rods(page):
 
 @pytest.mark.exhaustive
 def test_presets_show_their_collisions_to_the_end(visit):
+    """Each preset of the page shows the restitution of its `solve`, or "-", and the
+    last velocity; it has a part of the form for each body and contact and for the
+    gauges, and its film ends with the rods.
+    """
     page = visit()
     for key, preset in PRESETS.items():
         page.select_option("#preset", key)
@@ -328,6 +331,9 @@ def test_the_address_of_a_view_opens_the_same_view(visit):
 
 
 def test_the_film_plays_until_it_is_paused_or_scrubbed(visit):
+    """The button starts the film: the picture changes. Pressed again, it stops the
+    time; moving the slider to 900 also stops the film, at 0.9 of it.
+    """
     page = visit()
     page.select_option("#pace", "4")  # s, for the whole film
     page.locator("#time").fill("0")  # thousandths of the film
@@ -475,6 +481,9 @@ def test_a_picture_can_be_saved_as_svg_that_a_browser_shows(visit, tmp_path):
 
 @pytest.mark.parametrize("width", few_of([360, 1280], [360]))
 def test_no_control_lies_outside_the_width_of_the_screen(visit, width):
+    """Two presets are shown. All visible controls are within the width of the screen,
+    to 1 pixel, and the page does not scroll sideways.
+    """
     page = visit(viewport={"width": width, "height": 800})
     for key in ("unequal", "chain"):
         page.select_option("#preset", key)
@@ -856,6 +865,9 @@ def test_a_tour_shows_the_box_and_other_examples_in_six_steps(visit):
 
 
 def test_the_space_bar_plays_and_pauses_without_scrolling(visit):
+    """On a small screen, the space bar makes the button say "Pause", then "Play" again,
+    and the page stays at the top.
+    """
     page = visit(viewport={"width": 360, "height": 700})
     page.locator("body").press("Space")
     sync_api.expect(page.locator("#play")).to_have_text("Pause")
@@ -1274,14 +1286,18 @@ def show_case(page, case):
 
 
 def hidden_parts(page, selectors):
-    """Selectors of elements that are covered, or not whole on the first screen."""
+    """Those selectors whose first element has no width, is not wholly on the screen, or
+    is covered in the middle of its upper edge.
+    """
     return page.evaluate(
         """(selectors) => selectors.filter((selector) => {
             const element = document.querySelector(selector);
             const { left, top, right, bottom, width } = element.getBoundingClientRect();
             const isAcross = left >= 0 && right <= innerWidth;
             const isInside = isAcross && top >= 0 && bottom <= innerHeight;
+            // The uppermost element just below the middle of the upper edge.
             const upmost = document.elementFromPoint((left + right) / 2, top + 4);
+            // It may be a part of the element, or, as for a disabled one, a box around.
             const isOpen =
                 upmost && (element.contains(upmost) || upmost.contains(element));
             return !(width > 0 && isInside && isOpen);

@@ -45,7 +45,7 @@ def patience(seconds=PATIENCE):
 
 
 def saved_solution():
-    """Text of a saved solution."""
+    """Case file, as text, of a solved collision of a mass and a rod, with its result."""
     mass = ri.RigidMass(1.0, velocity=1.0)
     rod = ri.Rod(0.2, area=1e-4, material=ri.materials.steel)
     system = ri.System([mass, rod], contacts=[ri.Hertz(1e9)])
@@ -229,8 +229,8 @@ def check_sentence(error, where):
 
 
 def called(function, *arguments, **named):
-    """The answer of a function, or the exception that says in a sentence what is wrong
-    with the call.
+    """What a function returns, or the exception with which it refused the call; its
+    message must be a sentence.
     """
     with patience():
         try:

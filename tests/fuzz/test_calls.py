@@ -81,7 +81,9 @@ def test_good_arguments_are_parameters_of_what_they_are_for():
 
 
 def test_every_public_name_has_good_arguments():
-    """A class has instances, too, to call their methods."""
+    """Each of more than 200 public names, except `replace`, has good arguments in
+    `good_calls`, and each public class an instance, or is named as an exception.
+    """
     # `replace` takes no argument to be good.
     names = {name for name in NAMES if not name.endswith(".replace")}
     classes = set(good_calls.public_classes())

@@ -193,7 +193,9 @@ def test_blank_objects_are_records_of_zeros_and_can_be_set_each_alone():
 
 @pytest.fixture
 def cache(tmp_path, monkeypatch):
-    """A cache of machine code of its own."""
+    """An empty folder, in which machine code is kept during the test; it is skipped if
+    compiling is disabled.
+    """
     if not kernels.enabled():
         pytest.skip("compiling is disabled")
     monkeypatch.setattr("numba.config.CACHE_DIR", str(tmp_path))

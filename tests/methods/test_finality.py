@@ -35,9 +35,8 @@ class Part(NamedTuple):
 
 
 def parts_of(solution, bodies):
-    """Parts of a group of bodies at the end of a run, from left to right.
-
-    Walls have none.
+    """Uniform parts of a group of bodies at the end of a run, from left to right. Walls
+    have none; bodies must be rods otherwise.
     """
     fields = solution.fields
     parts = []
@@ -238,8 +237,9 @@ def test_the_collision_of_every_free_row_is_proved_to_be_over(seed):
 
 
 def test_a_clamped_rod_that_is_struck_is_final_only_when_it_strikes_no_more():
-    """A run 20 times as long has no later contact. Velocities in a rod with a fixed end
-    change sign, so that its waves bound nothing.
+    """A rod strikes one that is bonded to a wall. A run 20 times as long as the final
+    one has no later contact. This is not trivial: velocities in the clamped rod change
+    sign, so that its waves bound nothing.
     """
     striker = ri.Rod(0.2, area=0.1, material=M, velocity=0.2)
     clamped = ri.Rod(1.0, area=1.0, material=M)
@@ -471,6 +471,9 @@ def test_where_bodies_still_touch_no_end_of_contact_is_stated():
 
 @pytest.mark.parametrize("until", [None, 9.0, 99.0])
 def test_bodies_that_come_to_rest_together_end_with_their_force(until):
+    """A rod strikes another whose far end absorbs, and both come to rest. The collision
+    is final at 1 s, when the force ends, however long the run is.
+    """
     striker = ri.Rod(0.5, area=1.0, material=M, velocity=1.0)
     ends = (ri.Free(), ri.Absorbing())
     system = ri.System([striker, RESTING], ends=ends)

@@ -841,10 +841,12 @@ def test_errors_of_fields_at_chosen_times_are_of_order_two(steps_later):
 
 
 def solutions_proved_final(seeds):
-    """Seeds and solutions of random rows that collide and are proved to be over."""
+    """Yield seed and solution of each random row that has an episode of contact and is
+    proved final. Rows of a single body are left out.
+    """
     for seed in seeds:
         system = random_row(seed, bodies=3)
-        if len(system.bodies) < 2:
+        if len(system.bodies) < 2:  # `bodies` is the largest number
             continue
         solution = ri.solve(
             system, method=METHOD, dt=1 / 32, max_events=1500, snapshots=2

@@ -390,17 +390,20 @@ def energy_of_radial_strain(run, inside, k, rate):
 
 
 def energy_of_contacts(run):
-    """Energy stored in compliant contacts, J [state]."""
+    """Energy stored in all compliant contacts and joints, J, at the kept states
+    [state].
+    """
     total = np.zeros(run.steps + 1)
     for i, law in enumerate(run.row.system.contacts):
         if isinstance(law, ri.Rigid | ri.Bonded):
             continue
         _, gap = run.contact(i)
         overlap = -gap
-        if not isinstance(law, ri.Joint):  # which is stretched as well
+        if not isinstance(law, ri.Joint):  # only a joint can also be stretched
             overlap = np.maximum(overlap, 0.0)
         total += law.stored(overlap)
-    return total[run.history.when]
+    steps_of_states = run.history.when  # steps at which states are kept
+    return total[steps_of_states]
 
 
 @given(SEEDS, st.booleans())

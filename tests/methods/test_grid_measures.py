@@ -33,7 +33,9 @@ def means(force, times):
 
 
 def test_the_peak_of_a_hump_is_found_behind_its_means():
-    """The hump is 1 - ((t - peak)/40)^2, with its peak inside a step."""
+    """From the means over steps of a parabola with the peak 1 inside a step,
+    `largest_force` finds the peak to 1e-12.
+    """
     peak = 20.3
     distance = Polynomial([-peak, 1.0]) / 40
     hump = 1 - distance**2

@@ -397,6 +397,9 @@ def test_contacts_that_begin_pressed_push_from_the_start_on(side):
 
 
 def test_characteristics_say_that_they_have_no_soil():
+    """The method of characteristics refuses a pile with soil along its shaft and a toe:
+    the message names the shaft.
+    """
     soil = ri.Soil(1e5, quake=QUAKE)
     toe = ri.SmithToe(1e5, quake=QUAKE)
     system = pile_in_soil(soil, toe)
@@ -405,6 +408,7 @@ def test_characteristics_say_that_they_have_no_soil():
 
 
 def test_a_run_in_soil_needs_an_end():
+    """A rod that moves in soil is refused if `until` is not given."""
     soil = ri.Soil(1.0, quake=QUAKE)
     rod = ri.Rod(1.0, area=1.0, material=STEEL, velocity=1.0, shaft=soil)
     system = ri.System([rod])

@@ -42,7 +42,9 @@ def peak_bytes(call):
 
 
 def solve_and_read(system, until):
-    """Solve on a grid, and ask for all that tables and figures need."""
+    """Solve a system on a grid of 40 cells, print the solution, and compute energies at
+    20 times; nothing is returned.
+    """
     solution = ri.solve(system, until=until, method="finite-difference", cells=40)
     str(solution)
     times = np.linspace(0.0, solution.t_end, 20)

@@ -107,9 +107,10 @@ def test_random_rows_are_right_to_the_stated_error(row):
 
 @pytest.mark.parametrize(("seed", "rtol"), [(25, 1e-10), (47, 1e-10), (68, 1e-6)])
 def test_two_runs_that_miss_a_peak_alike_do_not_hide_its_error(seed, rtol):
-    """Peaks differ from those of a run of smaller rtol by what both state at most. Here
-    a wave jumps in a dashpot; a run and the finer one beside it, by which errors are
-    estimated, took the same pieces.
+    """Peak forces of a row of dashpots differ from those of a run with rtol 1e-13 by
+    the stated errors of both at most. A wave jumps here; the run and the finer one
+    beside it, which estimates the errors, once took the same pieces and missed the same
+    peak.
     """
     system, until = random_compliant_row("dashpot", seed)
     exact = by_characteristics(system, until, rtol=1e-13)

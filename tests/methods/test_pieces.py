@@ -277,7 +277,7 @@ def line_of(*pieces, delay=0):
     return run, [line], log
 
 
-DELAY = 1000  # ticks, by which the pieces below arrive later than they left
+DELAY = 1000  # ticks by which the pieces below arrive later than they left
 PIECES = [  # start and end, order of the break before, coefficients
     (-1000, -400, SMOOTH, [1.0, 0.5, 0.25]),
     (-400, 100, 0, [3.0]),
@@ -293,19 +293,23 @@ def line_of_pieces():
 
 
 def arriving(t, side="right"):
-    """What `PIECES` bring at tick t, from its right or its left side."""
-    index = np.searchsorted(BREAKS, t, side)
-    start, stop, _, c = PIECES[index]
+    """Value of the wave that arrives from `PIECES` at tick t; at one of `BREAKS`, its
+    limit from the right, in the later piece, or from the left.
+    """
+    index = np.searchsorted(BREAKS, t, side)  # of the piece that arrives
+    start, stop, _, coefficients = PIECES[index]
     since_start = t - DELAY - start
     y = 2 * since_start / (stop - start) - 1  # from -1 to 1 in the piece
-    return chebyshev.chebval(y, c)
+    return chebyshev.chebval(y, coefficients)
 
 
 @pytest.mark.parametrize(
     ("tick", "ticks"), [(0, 300), (0, 600), (350, 700), (1100, 900)]
 )
 def test_what_left_arrives_a_delay_later(tick, ticks):
-    """Values sampled over `ticks` from `tick` on are those of `arriving`."""
+    """A line with a delay is sampled over `ticks` from `tick` on. The values are those of
+    the Chebyshev series of its pieces, as `arriving` evaluates them.
+    """
     line, log = line_of_pieces()
     lines.advance_to(line, log, FIRST_LINE, tick)
     values = work()
@@ -314,12 +318,15 @@ def test_what_left_arrives_a_delay_later(tick, ticks):
 
     *times, end = tick + ticks * (X + 1) / 2
     expected = [arriving(t) for t in times]
-    expected.append(arriving(end, side="left"))  # of a break at the end
+    # If a break is at the end, the last value is the one before it.
+    expected.append(arriving(end, side="left"))
     assert values == pytest.approx(expected, abs=1e-13)
 
 
 def test_breaks_of_a_line_come_in_their_order():
-    """After each tick the next of `BREAKS` is found, or the given end."""
+    """`next_break` gives the first of `BREAKS`, 600 and 1100, after a tick, or a given
+    end that comes earlier. The line is known until 2000, and may jump (order 0) at 0.
+    """
     line, log = line_of_pieces()
 
     def next_break(tick, end):
@@ -330,31 +337,33 @@ def test_breaks_of_a_line_come_in_their_order():
     assert next_break(0, 2000) == 600
     assert next_break(0, 500) == 500
     assert next_break(600, 2000) == 1100
-    assert (
-        lines.order_at(line, log, FIRST_LINE, 0) == 0
-    )  # at the beginning anything may jump
+    # Every wave may jump when its line begins.
+    assert lines.order_at(line, log, FIRST_LINE, 0) == 0
 
 
 def test_breaks_that_have_passed_are_left_behind():
-    """As a line is read on, the piece that is read and the number of breaks behind it
-    change at each of `BREAKS`.
+    """As a line is read on, the read piece and the number of breaks still ahead change
+    when each of `BREAKS`, 600 and 1100, arrives. The break at 600 is a jump (order 0);
+    just after it, the wave is smooth.
     """
     line, log = line_of_pieces()
 
     def read_and_unread(tick):
-        """Piece that is read at a tick, and number of breaks behind it."""
+        """Index of the piece that is read at a tick; number of breaks still ahead."""
         lines.advance_to(line, log, FIRST_LINE, tick)
         return line[0].read_piece, line[0].unread_breaks
 
     assert read_and_unread(599) == (0, 2)
     assert read_and_unread(600) == (1, 1)
     assert lines.order_at(line, log, FIRST_LINE, 600) == 0
-    assert lines.order_at(line, log, FIRST_LINE, 601) == SMOOTH
-    assert read_and_unread(5000) == (2, 0)
+    assert lines.order_at(line, log, FIRST_LINE, 601) == SMOOTH  # no piece begins here
+    assert read_and_unread(5000) == (2, 0)  # after both breaks
 
 
 def quadrature(tick, ticks):
-    """Times and weights with which sums are the integrals of what `PIECES` bring."""
+    """Times and weights over `ticks` from `tick` on: the weighted sum of the values that
+    arrive from `PIECES` is their integral.
+    """
     breaks = [t for t in BREAKS if tick < t < tick + ticks]
     edges = [tick, *breaks, tick + ticks]
     x, weights = legendre.leggauss(12)

@@ -225,15 +225,15 @@ def test_a_stack_comes_to_rest_and_carries_its_weight(law):
     ("end", "push"), [(ri.Free(), 0.0), (ri.Pushed(0.7), 0.7)], ids=["free", "pushed"]
 )
 def test_masses_on_joints_swing_as_an_oscillator(end, push):
-    """Velocities of two masses on a spring and dashpot, the first pushed or not, are
-    those of their integrated equation of motion.
+    """Two masses are joined by a spring and dashpot, and the first is pushed or free.
+    Their velocities over 9 s are those of the integrated equations of motion.
     """
     first = ri.RigidMass(2.0, velocity=1.0)
     second = ri.RigidMass(3.0)
     joint = ri.Joint(5.0, damping=0.4)
 
     def rates(_, state):
-        """Of the compression of the joint and of both velocities."""
+        """Time derivatives of the compression of the joint and of both velocities."""
         compression, v0, v1 = state
         closing = v0 - v1
         force = 5 * compression + 0.4 * closing

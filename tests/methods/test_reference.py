@@ -89,7 +89,9 @@ class Segment:
 
 
 class InitialState:
-    """Velocity and strain along a rod, by x; `cuts` are the places where they jump."""
+    """Initial velocity and strain as functions of x; `cuts` are the positions of their
+    jumps.
+    """
 
     def __init__(self, rod):
         self.velocity = self.as_steps(rod.velocity)
@@ -99,12 +101,13 @@ class InitialState:
 
     @staticmethod
     def as_steps(profile):
-        """A profile, with a number as steps without a jump."""
+        """A profile as it is, or a number as `Steps` without a jump."""
         if isinstance(profile, ri.Steps):
             return profile
         return ri.Steps([profile], at=[])
 
     def __call__(self, x):
+        """Velocity and strain at x, as exact fractions; at a jump, those on its right."""
         step_of_velocity = bisect_right(self.velocity.at, x)
         velocity = self.velocity.values[step_of_velocity]
         step_of_strain = bisect_right(self.strain.at, x)
@@ -319,7 +322,9 @@ def test_contacts_motion_and_fields_agree_with_brute_force(seed):
 
 
 def assert_contacts_agree(solution, reference):
-    """Impulses, gaps and, of rigid contacts, durations are those of the reference."""
+    """At the end of the run, impulse and gap of each contact, and of rigid ones the
+    duration, are those of the reference.
+    """
     for contact, k in zip(solution.contacts, reference.contacts, strict=True):
         assert contact.impulse == near(reference.impulse[k])
         assert float(contact.gap(solution.t_end)) == near(reference.gap[k])
@@ -336,7 +341,7 @@ def rods_of(system, reference):
 
 
 def assert_motion_agrees(solution, reference):
-    """Mean velocities of the rods are those of the reference."""
+    """The mean velocity of each rod at the end of the run is that of the reference."""
     for body, first, rod in rods_of(solution.system, reference):
         velocity = float(solution.mean_velocity(body, solution.t_end))
         exact = reference.mean_velocity(first, first + len(rod.segments))

@@ -213,6 +213,9 @@ MASS_ON_SPRING = ri.System([MASS, ri.Wall()], contacts=SPRING)
     ids=["fronts", "characteristics", "without a rod"],
 )
 def test_options_of_a_grid_are_refused_where_another_method_is_chosen(system, options):
+    """An option of grids alone, for a system that is solved with another method, is the
+    only mistake, and its message names both methods.
+    """
     (option,) = options
 
     messages = problems(lambda: Options(**options).method_for(system))
@@ -395,6 +398,9 @@ def test_options_are_converted_pickled_and_hashed_as_values():
 
 
 def test_solve_takes_every_option_and_sweep_all_but_snapshots():
+    """The signatures of `solve` and `sweep` name all fields of `Options`; `sweep` may
+    lack `snapshots`.
+    """
     names = {field.name for field in dataclasses.fields(Options)}
 
     of_solve = set(inspect.signature(ri.solve).parameters)

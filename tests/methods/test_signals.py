@@ -31,7 +31,9 @@ def signal_of(steps):
 
 
 def value_at(steps, t):
-    """The value of the last step at or before t; that of the first one before all."""
+    """Value of a step function, given as pairs of tick and value: the value of the last
+    step at or before t, or of the first step if t is before all.
+    """
     _, value = steps[0]
     for tick, later_value in steps:
         if tick <= t:
@@ -163,8 +165,8 @@ def test_polynomials_have_two_sides_at_breaks(seed):
 
 @pytest.mark.parametrize("seed", range(3))
 def test_integrals_of_polynomials_and_of_their_products_are_those_of_scipy(seed):
-    """Over the span from `start` to `stop`; the second factor of a product runs forward,
-    or backwards.
+    """The integrals of piecewise polynomials f, forth and back, of f g, and of f times
+    the time-reversed g, from `start` to beyond the end of both, are those of scipy.
     """
     f, polynomials_of_f = random_pieces(seed)
     g, polynomials_of_g = random_pieces(seed + 10, size=4, count=9)

@@ -44,6 +44,9 @@ def test_the_message_of_a_long_path_that_cannot_be_read_is_short():
 
 
 def test_the_message_of_a_long_path_that_cannot_be_written_is_short():
+    """Saving a solution at a very long path raises OSError with a message of less than
+    400 characters.
+    """
     bodies = [ri.RigidMass(1.0), ri.Wall()]
     system = ri.System(bodies, contacts=[ri.Hertz(1e9)])
     solution = ri.solve(system, until=1e-6)

@@ -124,7 +124,9 @@ def test_an_end_stops_after_its_last_sample():
 
 
 def test_errors_of_a_grid_at_a_moved_end_fall_with_the_square_of_the_step():
-    """They are those of the velocity of the far end."""
+    """A rod with one moved end is solved with 25, 50 and 100 cells. The errors of the
+    velocity of its far end, against characteristics, fall with order 2.
+    """
     t = np.linspace(0.0, 2.5, 26)
     far_end = 1.0  # m
     exact = run_of(swinging_end()).velocity(0, far_end, t)
@@ -145,6 +147,9 @@ def test_errors_of_a_grid_at_a_moved_end_fall_with_the_square_of_the_step():
 
 
 def test_mirrored_ends_move_to_the_other_side():
+    """A row whose left end has given positions is mirrored: its right end has the
+    negated velocities. Mirrored twice, it is the row itself.
+    """
     system = ri.System([ROD], ends=(end_on_corners(), ri.Free()))
 
     mirrored = system.mirrored()

@@ -67,6 +67,9 @@ def test_values_of_samples_make_no_family_and_are_shared_by_members():
 
 
 def test_the_step_between_samples_may_be_a_family():
+    """Forces at an end with two sample steps make a family of two: the path of the step
+    is its parameter, and the second member has the second step.
+    """
     forces = ri.Samples([0.0, 1.0], step=[1e-6, 2e-6])
     row = ri.System([rod()], ends=(ri.Pushed(forces), ri.Free()))
     forces_of_second = ri.Samples([0.0, 1.0], step=2e-6)
@@ -153,6 +156,9 @@ def test_samples_are_a_list_of_two_numbers_or_more(values):
 
 
 def test_numbers_of_samples_are_finite_and_their_step_positive():
+    """`Samples` with nan, inf and a step of 0 is refused with the first wrong value and
+    the step.
+    """
     values = [1.0, math.nan, math.inf]
     messages = {
         "values[1]": "=must be a finite number, got nan",
@@ -313,9 +319,8 @@ def integral_of_steps(steps, start, end):
 
 
 def integral_of_samples(samples, start, end, length):
-    """Integral of samples from start to end: the trapezoidal rule between all knots.
-
-    Without a step they are spread over the `length`.
+    """Integral of piecewise linear samples from start to end, by the trapezoidal rule.
+    Samples without a step of their own are spread evenly over the `length`.
     """
     n = len(samples.values) - 1
     width = samples.step

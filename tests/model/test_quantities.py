@@ -260,6 +260,7 @@ class Quantity:
     names = ("magnitude", "units")
 
     def __init__(self, number, unit):
+        """Keep number and unit, under the names of this library as well."""
         self.number = number
         self.unit_name = unit
         name_of_number, name_of_unit = self.names
@@ -267,6 +268,7 @@ class Quantity:
         setattr(self, name_of_unit, unit)
 
     def to(self, unit):
+        """The quantity in an SI unit. TypeError if its own unit does not convert to it."""
         factor, si = UNITS[self.unit_name]
         if unit != si:
             raise TypeError(f"cannot convert from {self.unit_name} to {unit}")
@@ -389,6 +391,9 @@ def test_every_field_refuses_a_quantity_of_something_else(quantity):
 
 
 def test_a_refusal_names_field_value_and_unit():
+    """A rod with a length in g and a strain in mm is refused with both fields, their
+    values and the units that they need.
+    """
     length = Quantity(4, "g")
     strain = Quantity(0.1, "mm")
     messages = problems(

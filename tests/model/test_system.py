@@ -524,9 +524,11 @@ FAMILY_DIGEST = "b30b44bb2ada05120df8008049d58f1df3d1f6c184bce26c2f475d60d494200
 
 
 def test_descriptions_of_plain_rows_stay_as_they_were():
-    """Digests name files and sweeps on disk; these two were noted once."""
+    """The contacts of a row as dicts, and the digests of the row and of a family, are as
+    they were noted once. Digests name files and sweeps on disk.
+    """
     bodies = [rod(velocity=1.0), rod(), ri.Wall()]
-    system = ri.System(bodies, [0.0, 1e-5], [ri.Bonded(), ri.Rigid()])
+    system = ri.System(bodies, gaps=[0.0, 1e-5], contacts=[ri.Bonded(), ri.Rigid()])
     lengths = np.array([1.0, 2.0])
     family = ri.System([rod(length=lengths), ri.Wall()])
 
@@ -830,6 +832,9 @@ def test_a_taper_runs_from_end_to_end_of_its_segment():
 
 
 def test_what_is_tapered_says_so():
+    """`tapered` is true for a tapered segment and for a rod with one, and false for a
+    uniform segment and rod.
+    """
     tapered = tapered_segment()
     uniform = ri.Segment(0.5, 1e-4, steel)
     rod_of_both = ri.Rod(segments=[uniform, tapered])
@@ -866,6 +871,9 @@ def test_the_mass_of_a_cone_is_nearly_that_of_the_curve_itself():
 
 
 def test_the_impedance_of_a_taper_is_no_single_number():
+    """The impedance of a tapered segment raises ValueError, which recommends
+    `in_steps`.
+    """
     (segment,) = cone().segments
     message = r"varies along a tapered segment; .*rod.in_steps\(n\)"
     with pytest.raises(ValueError, match=message):
@@ -956,6 +964,9 @@ def test_lengths_between_steps_are_differences_of_decimals():
 
 
 def test_lengths_between_steps_of_a_family_are_differences_of_decimals():
+    """A rod with three areas and two lengths has segments with the decimal lengths 0.2,
+    and 0.1 and 0.4, without round-off.
+    """
     area = ri.Steps([1e-4, 2e-4, 3e-4], [0.1, 0.3])
     ends = np.array([0.4, 0.7])
     stepped = rod(length=ends, area=area)
@@ -965,6 +976,7 @@ def test_lengths_between_steps_of_a_family_are_differences_of_decimals():
 
 
 def test_each_step_of_a_round_rod_is_round():
+    """Both segments of a rod with two areas keep its circular polar moment."""
     area = ri.Steps([1e-4, 2e-4], [0.25])
     stepped = rod(area=area, **ROUND_LOVE)
     polar_moments = [segment.polar_moment for segment in stepped.segments]
@@ -972,6 +984,9 @@ def test_each_step_of_a_round_rod_is_round():
 
 
 def test_areas_of_steps_make_families():
+    """Two values for the second area of a stepped rod are a family over the area of its
+    segment 1.
+    """
     second_areas = np.array([1.0, 2.0])
     area = ri.Steps([1e-4, second_areas], [0.25])
     family = ri.System([rod(area=area)])
@@ -1049,6 +1064,9 @@ def test_segments_have_the_lateral_inertia_of_their_rod(word):
 
 @pytest.mark.parametrize("word", ["rayleigh-love", "mindlin-herrmann"])
 def test_steps_of_a_rod_with_lateral_inertia_differ_in_their_sizes_only(word):
+    """A rod with two areas and lateral inertia has two segments, which differ only by
+    length and area.
+    """
     area = ri.Steps([1e-4, 2e-4], [0.25])
     stepped = rod(area=area, polar_moment="circular", lateral_inertia=word)
     first, second = stepped.segments

@@ -175,6 +175,9 @@ def pile_with_weight():
 
 
 def test_a_pile_with_weight_rests_before_the_blow_and_is_compressed_a_little_more():
+    """The largest compression in a pile with weight exceeds that without weight by more
+    than the stress of the helmet, and by 2 % at most.
+    """
     system = pile_with_weight()
     without_weight = system.replace(gravity=0.0)
 
@@ -305,6 +308,9 @@ def test_wrong_arguments_are_refused(arguments, message):
 
 
 def test_a_toe_or_a_shaft_without_soil_is_refused():
+    """`bearing_graph` refuses a pile whose toe is no `SmithToe`, and a positive
+    `shaft_share` for a pile whose shaft has no soil.
+    """
     system = pipe_pile("smith")
     cushion, _ = system.contacts
     without_toe = system.replace(contacts=[cushion, ri.Yielding(1e8, 1e5)])

@@ -305,7 +305,7 @@ def test_a_film_names_the_result(film_with_approach):
 
 
 def forces_of(film):
-    """Axes of contact forces."""
+    """The axes of a film that show contact forces, as a list."""
     axes = []
     for ax in film.figure.axes:
         if ax.get_xlabel().startswith("contact force"):

@@ -349,6 +349,9 @@ def test_units_fit_the_numbers(solved):
 
 @pytest.mark.exhaustive
 def test_a_drifting_row_is_drawn_in_a_moving_frame(solved):
+    """A row that drifts at 100 m/s is drawn in a frame that moves at this speed, and
+    its label says so. The regions have the corners of the row without drift.
+    """
     still = plot.spacetime(solved["unequal"], axes(), coordinates="lab")
     drifting = plot.spacetime(solved["drifting"], axes(), coordinates="lab")
 
@@ -1086,6 +1089,9 @@ TWO_SUBJECTS = {"comparison", "restitution"}
 
 @pytest.mark.parametrize("name", sorted(set(plot.__all__) - NO_AXES - OWN_FIGURE))
 def test_axes_are_the_first_argument_of_a_figure_after_its_subject(name):
+    """The signature of each function of `plot` names `ax` directly after the one or two
+    things that it draws.
+    """
     _, *arguments = signature(getattr(plot, name)).parameters
     if name in TWO_SUBJECTS:
         arguments.pop(0)
@@ -1131,6 +1137,9 @@ def solved_masses():
 
 @pytest.mark.exhaustive
 def test_rows_of_masses_have_contacts_and_energy_to_draw(solved_masses):
+    """A collision of masses is drawn: the picture of contacts has one force and one
+    gap, the total of energy is constant to 1e-6, and the overview has three axes.
+    """
     contact = plot.contact(solved_masses)
     energy = plot.energy(solved_masses)
     overview = plot.overview(solved_masses)

@@ -39,7 +39,9 @@ def stepped_pair():
 
 
 def driven_pile():
-    """A hammer that strikes an infinite pile of concrete; not solved."""
+    """A hammer, a rigid mass, that strikes a pile of concrete through a spring; the far
+    end of the pile absorbs. Not solved.
+    """
     hammer = ri.RigidMass(500.0, velocity=3.0)
     pile = ri.Rod(18.0, area=0.06, material=CONCRETE)
     ends = [ri.Free(), ri.Absorbing()]

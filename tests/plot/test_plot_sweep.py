@@ -74,9 +74,9 @@ SYSTEMS = {
 
 @pytest.fixture(scope="module")
 def swept():
-    """{name: result} of the families `SYSTEMS`.
+    """{name: result of the sweep} of the families `SYSTEMS`.
 
-    No sweep may divide by zero, overflow or take an invalid operation on the way.
+    It fails if a sweep divides by zero, overflows or makes an invalid operation.
     """
     results = {}
     with np.errstate(all="raise", under="ignore"):
@@ -164,6 +164,10 @@ def test_a_curve_of_many_points_has_marks_where_no_line_goes():
 
 
 def test_the_closed_form_lies_under_few_points_and_is_smooth_between_them(swept):
+    """A sweep over few lengths is drawn as points without lines; below them,
+    Saint-Venant's restitution is drawn as a curve of at least 400 points, exact to
+    1e-12. The legend names both.
+    """
     picture = plot.sweep(swept["few"], axes())
 
     computed = picture.values
@@ -673,6 +677,9 @@ def test_counts_have_a_colour_each(swept):
 
 
 def test_one_count_has_a_colour(swept):
+    """All members of the map have one episode: the only colour goes from 0.5 to 1.5, and
+    the picture can be drawn.
+    """
     picture = plot.sweep(swept["map"], axes(), "episodes.0")
 
     boundaries = picture.cells.norm.boundaries.tolist()
@@ -681,7 +688,7 @@ def test_one_count_has_a_colour(swept):
 
 
 def drawable(result):
-    """Quantities of a family that have a value."""
+    """Names of the quantities of a sweep that are finite for at least one member."""
     quantities = []
     for quantity, values in result.columns.items():
         if np.isfinite(values).any():

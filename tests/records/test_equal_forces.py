@@ -53,7 +53,9 @@ def law_errors(shot, result, least=0.03):
 
 
 def is_loading(shot, result):
-    """Whether each sample lies above 1 % of strain, before the largest strain."""
+    """Whether each sample [sample] has a true strain above 1 % and is not later than
+    the largest strain.
+    """
     strain = shot.strain(result.times)
     sample = np.arange(len(strain))
     is_before_peak = sample <= strain.argmax()

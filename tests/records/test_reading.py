@@ -115,6 +115,9 @@ def test_numbers_are_read_with_the_decimal_sign_that_they_must_have(
 
 
 def test_a_comma_separates_columns_or_is_a_decimal_sign_as_heads_or_arguments_say(read):
+    """ "1,5" is one number with a decimal comma, two columns with a decimal point or
+    below two heads, and one number again between quotes.
+    """
     text = "1,5\n2,5\n"
     by_decimal_comma = read(text, rate=1.0, decimal=",")
     by_decimal_point = read(text, rate=1.0, decimal=".")

@@ -233,6 +233,9 @@ def test_the_remedy_makes_the_file_readable(
 
 @pytest.mark.parametrize("encoding", ["utf-32", "utf-16-le"])
 def test_the_remedy_for_a_file_that_is_no_text_is_utf_8(tmp_path, encoding):
+    """A file of a record in another encoding is refused with the advice of UTF-8;
+    written in UTF-8 it is read.
+    """
     path = tmp_path / "shot.txt"
     text = "time_s\ta\n0\t1\n1\t2\n"
     path.write_bytes(text.encode(encoding))

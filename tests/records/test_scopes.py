@@ -74,8 +74,9 @@ def test_a_lecroy_scope_tells_times_and_volts(tmp_path):
 
 
 def test_a_rigol_scope_tells_start_and_increment(tmp_path):
-    """Public readers of such files take both from columns 4 and 5 of the second
-    line.
+    """A file of a Rigol scope names start and increment of the times in columns 4 and 5
+    of its second line, as public readers take them. Times, values and unit of both
+    channels are read.
     """
     text = "X,CH1,CH2,Start,Increment,\nSequence,Volt,Volt,-1.2e-05,1.0e-06\n"
     for i, value in enumerate(WAVE):

@@ -83,6 +83,9 @@ def test_from_the_strain_that_the_verdict_names_on_the_true_forces_balance(shot)
 
 
 def test_good_shots_raise_no_doubt(shot):
+    """Four reductions with different noise have no doubts, say that the specimen was in
+    equilibrium, and print no "doubtful".
+    """
     for seed in range(4):
         result = reduced(shot, seed=2 * seed)
         assert result.doubts == ()

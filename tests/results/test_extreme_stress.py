@@ -161,7 +161,9 @@ def rods_of(system):
 @pytest.mark.parametrize("seed", SEEDS)
 @pytest.mark.parametrize("method", ["fronts", "characteristics"])
 def test_no_stress_of_the_fields_is_beyond_the_extremes(method, seed):
-    """Fields are evaluated at random places and times, and at both ends of each rod."""
+    """Stresses at both ends of each rod and at 30 random positions, at 400 random
+    times, lie between the extreme tension and compression of the rod.
+    """
     solution = solve_random_row(method, seed)
     rng = np.random.default_rng(seed)
     for body in rods_of(solution.system):
@@ -180,6 +182,10 @@ def test_no_stress_of_the_fields_is_beyond_the_extremes(method, seed):
 @pytest.mark.parametrize("seed", SEEDS)
 @pytest.mark.parametrize("method", METHODS)
 def test_the_stress_is_no_less_than_the_peak_force_over_the_area(method, seed):
+    """In each rod of a random row the largest stress is at least the peak force of
+    either neighbouring contact over the area there, to the stated error. Rods with
+    lateral inertia are left out.
+    """
     solution = solve_random_row(method, seed)
     stated_error = solution.accuracy.get("peak force", 0.0)
     error = max(1e-9, stated_error)  # relative; round-off at least

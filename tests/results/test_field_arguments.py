@@ -62,7 +62,9 @@ def calls_with_a_place(solution):
 
 
 def calls_with_a_time(solution):
-    """Pairs of a name and a function of times alone."""
+    """Yield pairs of a name and a function of times alone: fields, motions, energy and
+    the records of a contact and a gauge of the solution.
+    """
     for name, field in fields_of(solution):
         yield name, partial(field, 0, PLACE)
     wall = len(solution.system.bodies) - 1
@@ -107,7 +109,9 @@ every_package = pytest.mark.parametrize(
 @every_method
 @every_package
 def test_places_with_units_are_converted(method, quantity):
-    """Every field has the same values as for numbers in metres."""
+    """Every field and a gauge have the same values for positions in mm, or in several
+    units, as for numbers in metres. One position, a list, and a column are given.
+    """
     solution = solved(method)
     millimetres = np.array([100.0, 250.0])
     one_place = quantity(100.0, "mm")
@@ -131,7 +135,9 @@ def test_places_with_units_are_converted(method, quantity):
 @every_method
 @every_package
 def test_times_with_units_are_converted(method, quantity):
-    """Every field and record has the same values as for numbers in seconds."""
+    """Every field, record and contact has the same values for times in us as for
+    numbers in seconds, for one time and for several.
+    """
     solution = solved(method)
     one_time = quantity(150.0, "us")
     times = quantity(np.array([50.0, 150.0]), "us")

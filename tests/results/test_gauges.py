@@ -135,6 +135,9 @@ def test_names_that_break_a_table_are_refused(tmp_path, bars, name):
 
 
 def test_names_of_many_languages_are_columns(tmp_path, bars):
+    """Gauges with names in other scripts, or with a comma-free colon, are written to
+    CSV: the head is the time and each name with its unit, in order.
+    """
     path = tmp_path / "x.csv"
     names = ["Stab 1 (Länge/2)", "入力棒", "ε_T", "2nd bar: x-0.5"]
     gauges = dict.fromkeys(names, bars.gauge(0, 0.1))
@@ -250,7 +253,10 @@ def quadratic_spline(steps):
     ids=["fronts", "grid", "characteristics"],
 )
 def test_a_signal_is_the_mean_under_a_spline(options):
-    """It is compared with a sum over very short parts of the record."""
+    """Each value of the signal of a gauge is the mean of its strain under a quadratic
+    spline, here a sum over very short parts, to 2e-8. Both ends of the record are left
+    out.
+    """
     record = record_of_struck_rod(**options)
     step = 2.7e-6  # s
     width = 1e-4  # of a part, in steps

@@ -36,7 +36,7 @@ DRIFT = 1.25  # velocity of the frame in which the waves are, m/s
 
 
 def pieces_of(function, marks):
-    """A function of time, s, as pieces of degree 16 between marks, s."""
+    """A function of time in s as `Pieces` of degree 16 between consecutive `marks`, s."""
     ticks = [round(mark / TICK) for mark in marks]
     coefficients = []
     for start, stop in pairwise(ticks):

@@ -136,7 +136,10 @@ TIMES_OF_MIXED = np.linspace(0, 1e-3, 57)  # from its begin to its end, s
 @pytest.mark.parametrize("transposed", [False, True])
 @pytest.mark.parametrize("compiling", [False, True])
 def test_grids_and_points_agree_bit_for_bit(mixed_solution, compiling, transposed):
-    """A grid of places and times is read in another way than as many single points."""
+    """Velocities on a grid of positions and times, which are computed in another way,
+    equal those at as many single points, compiled or not, also with the axes exchanged.
+    The strain has the same shape.
+    """
     if transposed:
         x = PLACES_IN_STEPPED[None, :]
         t = TIMES_OF_MIXED[:, None]
@@ -274,6 +277,9 @@ def test_a_gauge_separates_the_waves_and_has_the_fields_at_its_place(box_solutio
 
 
 def test_strains_of_a_gauge_are_written_exactly(box_solution, tmp_path):
+    """The strains of a gauge, written to a CSV file and read by numpy, are equal bit
+    for bit.
+    """
     path = tmp_path / "gauge.csv"
     gauge = box_solution.gauge(1, 0.5)
 

@@ -17,8 +17,8 @@ SHORT_ROW = 5
 
 
 def with_masses(seed):
-    """A row of rods, some of them stepped, and masses, with gaps and contacts of
-    several laws; not solved.
+    """A random row of two or three rods, some of them stepped, and masses, sometimes
+    with a wall behind them, with gaps and contacts of several laws; not solved.
     """
     rng = np.random.default_rng(seed)
     soft_laws = [ri.Hertz(3e9), ri.Spring(2e7), ri.SpringDashpot(1e7, 200.0)]

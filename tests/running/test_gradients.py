@@ -283,6 +283,9 @@ def test_derivatives_of_families_are_those_of_members_compiled_and_in_plain_pyth
 
 
 def test_a_member_that_does_not_collide_has_no_value_and_no_derivative():
+    """A family of two pairs, of which the second moves apart: its value and its
+    derivative are nan, and the derivative of the first is finite.
+    """
     family = pair(velocity=[1.0, -1.0])
 
     g = ri.gradient(family, wrt=["bodies.0.length"])
@@ -468,6 +471,10 @@ def rigid_row(seed):
 
 @pytest.mark.parametrize("seed", few_of(range(30), range(3)))
 def test_stated_errors_of_rigid_rows_bound_the_difference_from_the_formula(seed):
+    """The derivative of the velocity of rod 2 by one number of a random row of rigid
+    contacts differs from that of the closed form by its stated error at most. This
+    error is at most 1e-8 of the scale.
+    """
     system, rng = rigid_row(seed)
     paths = paths_of(system, "length", "area", "velocity", "gap")
     path = str(rng.choice(paths))
@@ -739,8 +746,10 @@ def test_the_grid_agrees_with_characteristics_within_its_stated_error():
 
 @pytest.mark.parametrize("noise", [0.0, 1e-12, 1e-6])
 def test_bounds_of_differences_hold_for_noisy_values(noise):
-    """exp(x) below 0 and 1 + 2 sin(x) above: the slope jumps from 1 to 2, the value
-    does not.
+    """Values are exp(-h) below a point and 1 + 2 sin(h) above it, with noise: the slope
+    jumps from 1 to 2, the value does not. Estimates of the slopes and of the jump of
+    the value are wrong by their stated errors at most, and the point is not called
+    smooth.
     """
     steps = 2.0 ** -np.arange(3, 15)[:, np.newaxis]  # 12 steps
     rng = np.random.default_rng(3)

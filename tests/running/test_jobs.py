@@ -180,7 +180,10 @@ def test_spans_are_cut_at_multiples_of_the_size():
 
 
 def test_jobs_fill_a_checkpoint_that_others_go_on_with(clock, tmp_path):
-    """Interrupted once, then gone on with on a cluster of another size."""
+    """A sweep of 500 members is interrupted after more than 200. Another cluster of
+    another size solves the rest, and a third sweep hands on no job. Both results are
+    those of an uninterrupted sweep.
+    """
     seconds = np.where(np.arange(500) < 250, 0.01, 10.0)
 
     def interrupt(done, total):

@@ -568,7 +568,7 @@ def test_a_file_that_ends_anywhere_is_refused_or_lacks_only_its_last_tables():
 
 @pytest.fixture
 def saved(tmp_path):
-    """Path of a saved family of two members."""
+    """Path of a saved sweep over a family of two members."""
     path = tmp_path / "map.npz"
     family = ri.System([SHORT.replace(length=[0.2, 0.4]), LONG])
     ri.sweep(family).save(path)
@@ -576,7 +576,9 @@ def saved(tmp_path):
 
 
 def edit(path, change_of_document, **changed_arrays):
-    """Rewrite a saved file with other entries of its document and other arrays."""
+    """Rewrite a saved file in place: `change_of_document` is merged into its document,
+    and the named arrays replace its own or are added.
+    """
     with np.load(path) as archive:
         arrays = dict(archive)
     document = json.loads(str(arrays["document"])) | change_of_document
@@ -607,7 +609,9 @@ def test_a_saved_family_of_rods_in_soil_or_with_drag_is_found_again(tmp_path, na
 
 
 def public_classes(kind):
-    """Classes of the model below `kind` that a user can make an object of."""
+    """Yield the public subclasses of `kind`, at any depth, that are defined in the
+    model.
+    """
     for below in kind.__subclasses__():
         is_of_model = below.__module__.startswith("rodimpact.model.")
         if is_of_model and below.__name__ in dir(ri):
@@ -621,6 +625,10 @@ def test_files_of_families_have_every_class_of_the_model_but_functions():
 
 
 def test_the_file_of_a_family_opens_with_numpy_and_json_alone(saved):
+    """The saved file of a family is read without the package: its document, strict
+    JSON, leads to the lengths of rod 1 in an array and has the version; the restitution
+    is an array.
+    """
     with np.load(saved, allow_pickle=False) as archive:
         arrays = dict(archive)
     # NaN and Infinity are no JSON.

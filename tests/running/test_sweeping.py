@@ -331,6 +331,9 @@ def test_a_single_collision_is_a_family_without_axes():
 
 @pytest.mark.parametrize("is_compiled", [False, True])
 def test_members_that_outgrow_the_log_have_the_same_bits(monkeypatch, is_compiled):
+    """A family of three rods is swept with a log that begins with a single row and has
+    to grow; the columns have the bits of a sweep with the usual log.
+    """
     lengths = 0.1 * np.sqrt([2, 3, 5, 7])  # no common unit, so that fronts multiply
     striker = ri.Rod(lengths, area=1e-4, material=MATERIALS[0], velocity=1.0)
     middle = ri.Rod(0.13, area=3e-4, material=MATERIALS[1])

@@ -830,6 +830,9 @@ def test_all_that_a_rod_must_have_is_named():
 
 
 def test_all_mistakes_at_once_each_with_its_path():
+    """A case file with a mistake nearly everywhere is refused with the path of every
+    mistake, and no message contains None or nan.
+    """
     messages = problems("""
         schema = 1
         foo = 1

@@ -112,6 +112,9 @@ def test_integers_of_many_digits_are_refused_shortly(key, number):
 
 
 def test_keys_are_told_in_one_line_without_control_characters():
+    """An unknown key with an escape sequence, a line break and a mark of direction is
+    reported in one line that shows them escaped or as a space.
+    """
     key = r'"a\u001b[31m\n\u202e"'
 
     error = error_of(HEAD + A_ROD + key + " = 1\nkind2 = 2")

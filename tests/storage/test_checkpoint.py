@@ -52,7 +52,7 @@ def save_every_chunk(monkeypatch):
 
 
 def same(result, other):
-    """Whether two sweeps have the same columns, bit for bit."""
+    """Whether two sweeps have the same columns with the same bits."""
     if result.columns.keys() != other.columns.keys():
         return False
     for name, column in result.columns.items():
@@ -73,30 +73,32 @@ def chunks_on_disk(path):
 
 
 @contextlib.contextmanager
-def recorded_runs(monkeypatch):
-    """A list to which each chunk that runs in the block adds its family."""
-    runs = []
+def recorded_families(monkeypatch):
+    """In the block: a list to which each chunk of a sweep that runs adds its part of
+    the family, a system. Chunks that are read from disk add nothing.
+    """
+    families = []
     run_chunk = chunks.run_chunk
 
     def recording(chunk, *arguments):
-        runs.append(chunk.system)
+        families.append(chunk.system)
         return run_chunk(chunk, *arguments)
 
     with monkeypatch.context() as patch:
         patch.setattr("rodimpact.running.chunks.run_chunk", recording)
-        yield runs
+        yield families
 
 
 def test_a_finished_sweep_is_read_as_it_was_run_without_running(tmp_path, monkeypatch):
     """A second sweep with the same checkpoint runs no member."""
     first = ri.sweep(family(), checkpoint=tmp_path)
-    with recorded_runs(monkeypatch) as runs:
+    with recorded_families(monkeypatch) as families_run:
         second = ri.sweep(family(), checkpoint=tmp_path)
 
     in_memory = ri.sweep(family())
     assert same(first, in_memory)
     assert same(second, in_memory)
-    assert not runs
+    assert families_run == []
 
 
 @pytest.mark.parametrize("readings", exhaustive.few_of([{}, GAUGED], [GAUGED]))
@@ -111,11 +113,11 @@ def test_an_interrupted_sweep_goes_on(tmp_path, monkeypatch, readings):
     with pytest.raises(KeyboardInterrupt):
         ri.sweep(family(), workers=1, progress=interrupt, **options)
     chunks_done = chunks_on_disk(tmp_path)
-    with recorded_runs(monkeypatch) as runs:
+    with recorded_families(monkeypatch) as families_run:
         result = ri.sweep(family(), **options)
 
     assert 0 < chunks_done < N_CHUNKS
-    members_run = sum(math.prod(chunk.shape) for chunk in runs)
+    members_run = sum(math.prod(chunk.shape) for chunk in families_run)
     n_members = 2 * ROWS
     assert members_run == n_members - CHUNK * chunks_done
     uninterrupted = ri.sweep(family(), **readings)
@@ -125,7 +127,9 @@ def test_an_interrupted_sweep_goes_on(tmp_path, monkeypatch, readings):
 
 
 def test_a_job_knows_of_no_later_members_that_are_done(tmp_path, monkeypatch):
-    """Only the first chunk is run again: no later members are left for a job."""
+    """The file of the first chunk of a finished sweep is removed, and the sweep is run
+    again: the last job is told that no members follow it.
+    """
     save_every_chunk(monkeypatch)
     ri.sweep(family(), workers=1, checkpoint=tmp_path)
     first = min(tmp_path.glob("members-*.npz"))
@@ -315,7 +319,7 @@ def test_a_damaged_file_is_told_and_kept_and_only_its_members_run_again(
     fifth.write_bytes(damaged)
 
     with (
-        recorded_runs(monkeypatch) as runs,
+        recorded_families(monkeypatch) as families_run,
         pytest.warns(
             ri.DamagedChunks, match=rf"{fifth.name}: is .*run again"
         ) as warned,
@@ -323,7 +327,7 @@ def test_a_damaged_file_is_told_and_kept_and_only_its_members_run_again(
         again = ri.sweep(family(), checkpoint=tmp_path)
 
     # A chunk has two rows of two members: the fifth one has the rows 8 and 9.
-    lengths_run = [chunk.bodies[0].length for chunk in runs]
+    lengths_run = [chunk.bodies[0].length for chunk in families_run]
     lengths_of_fifth = family().bodies[0].length[8:10, 0]
     assert set(np.ravel(lengths_run)) == set(lengths_of_fifth)
     assert same(again, result)
@@ -333,15 +337,18 @@ def test_a_damaged_file_is_told_and_kept_and_only_its_members_run_again(
     (aside,) = tmp_path.glob(".rodimpact-*")
     assert aside.read_bytes() == damaged
     # It is not in the way of the next sweep.
-    with recorded_runs(monkeypatch) as later_runs:
+    with recorded_families(monkeypatch) as run_later:
         ri.sweep(family(), checkpoint=tmp_path)
-    assert not later_runs
+    assert run_later == []
 
 
 @pytest.mark.exhaustive
 def test_a_file_of_another_sweep_among_those_of_this_one_is_refused(
     tmp_path, monkeypatch
 ):
+    """A file of chunks of a family with another area is copied into the folder of a
+    sweep: FileFormatError says that it belongs to another sweep.
+    """
     save_every_chunk(monkeypatch)
     folder = tmp_path / "run"
     other = tmp_path / "other"
@@ -362,16 +369,19 @@ def test_a_file_of_another_sweep_among_those_of_this_one_is_refused(
 def test_a_directory_that_cannot_be_written_is_told_at_once(tmp_path, monkeypatch):
     tmp_path.chmod(0o500)  # read only
     with (
-        recorded_runs(monkeypatch) as runs,
+        recorded_families(monkeypatch) as families_run,
         pytest.raises(PermissionError, match="may not write"),
     ):
         ri.sweep(family(), checkpoint=tmp_path)
-    assert not runs
+    assert families_run == []
 
 
 @pytest.mark.exhaustive
 def test_two_processes_may_start_on_one_directory(tmp_path):
-    """Neither harms what the other has written."""
+    """Two processes sweep the same family with one folder at the same time. Both end
+    without an error, all chunks are on disk, and the result is that of a sweep without
+    a folder.
+    """
     folder = tmp_path / "run"
     other_process = start_sweep(folder, "pass")
     let_go(other_process)
@@ -403,8 +413,8 @@ def test_a_refused_member_is_known_when_the_sweep_goes_on(tmp_path, monkeypatch)
     system = ri.System([striker, struck])
     ri.sweep(system, checkpoint=tmp_path)
 
-    with recorded_runs(monkeypatch) as runs:
+    with recorded_families(monkeypatch) as families_run:
         again = ri.sweep(system, checkpoint=tmp_path)
 
-    assert not runs
+    assert families_run == []
     assert again.incomplete.tolist() == [False, True, False]

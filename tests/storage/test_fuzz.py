@@ -21,7 +21,9 @@ SEEDS = few_of(range(SEED, SEED + 4), [SEED])
 
 @pytest.fixture(scope="module")
 def originals(tmp_path_factory):
-    """Families of several kinds, saved: a file each."""
+    """Sorted paths of three saved sweeps: a family of rods, a family of a random
+    network, and a single member.
+    """
     gauges = {"gauges": [(1, 0.5)], "times": [1e-4, 2e-4]}
     network = random_network(1, driven=True)
     family_of_networks = network.replace(gravity=[0.0, 0.1])
@@ -63,7 +65,9 @@ def spoil(rng, data):
 
 
 def alter(rng, array):
-    """The array with another type, shape or number."""
+    """A copy of the array with another type, shape, length or order, or with one random
+    element larger by 1.
+    """
     kind = rng.integers(6)
     flat = array.ravel()
     if kind == 0:

@@ -297,8 +297,9 @@ NUMBERS_GRIDS = {
 
 
 def test_numbers_may_be_left_to_the_grid_and_are_missing_without_it():
-    """A case file without some numbers is read with grids of them; one without a grid
-    is missing.
+    """A case file that leaves out three numbers, for which grids of two values are
+    given, is read as a family. Without one of the grids, that number is the only
+    mistake.
     """
     case = parse_case(NUMBERS_LEFT_OUT, vary=NUMBERS_GRIDS)
 

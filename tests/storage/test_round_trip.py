@@ -271,6 +271,9 @@ NUMBERS = st.fixed_dictionaries(dict.fromkeys(names_of_numbers(2), FLOATS))
 
 @given(NUMBERS, ERRORS, st.booleans(), TEXTS)
 def test_an_outcome_comes_back_equal(numbers, errors, final, text):
+    """A random saved result, also with nan, is written into a case file and read: its
+    repr is the same.
+    """
     result = SavedResult(
         version=text,
         method=text,
