@@ -149,6 +149,9 @@ class Link:
     """One contact: its law, its state, and the totals of its force."""
 
     def __init__(self, law, gap):
+        """An open link with the numbers of its law, 0 or infinite where the law has
+        none, and no impulse, peak or times so far (nan).
+        """
         self.law = law
         self.kind = type(law).__name__
         self.stiffness = getattr(law, "stiffness", 0.0)

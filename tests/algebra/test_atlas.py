@@ -168,6 +168,10 @@ def test_runs_that_do_not_end_count_as_cells(uniform_atlas, monkeypatch):
 
 
 def test_a_point_whose_cell_needs_too_many_events_is_unresolved(uniform_atlas):
+    """An atlas over lengths up to 1e30 m allows 10 events a run, and the waves run far
+    more often through the first rod. It has fewer cells than allowed, and some long
+    rods are located in none (-1).
+    """
     # Waves run 1e30 times through the first rod before they return in the second.
     lengths_up_to_1e30 = (LENGTH, 0.5, 1e30)
 

@@ -56,6 +56,9 @@ def test_times_of_the_box_are_the_metres_that_its_waves_run():
 
 @pytest.mark.parametrize("seed", [1, 2, 3, 4, 5, 7])
 def test_velocities_and_contact_times_agree_with_those_of_floats(seed):
+    """A random row is solved in fractions and in floats: velocities after, number of
+    episodes, first and last time of each contact agree to round-off.
+    """
     system = random_system(seed, bodies=3, vibrating=False, bonded=False)
     outcome = ri.solve(system).outcome
 

@@ -97,6 +97,10 @@ def test_the_formula_for_a_longer_rod_of_higher_impedance_is_saint_venants():
 
 @pytest.mark.parametrize("K", few_of([1, 2, 4], [2]))
 def test_the_formula_for_a_longer_rod_of_lower_impedance_is_saint_venants(K):
+    """The struck rod has the lower impedance and lasts K round trips of the striker,
+    and a part of one. Restitution and cell of the closed form are those of
+    Saint-Venant's geometric series.
+    """
     # T1 = 2 s and T2 = 2 K + 1 s: K round trips of the first rod fit into the second.
     form = ri.closed_form(row([2, 2 * K + 1], [2, 1]))
 
@@ -117,6 +121,10 @@ def test_the_formula_for_a_longer_rod_of_lower_impedance_is_saint_venants(K):
 
 
 def test_on_a_border_there_are_both_formulas():
+    """Transit times 1 and 2 lie on the border T2 = 2 T1. There are two different
+    formulas, one for each side; both give e = 7/9 here, and for a longer rod only one
+    of them holds.
+    """
     form = ri.closed_form(row([1, 2], [1, 0.5]))
 
     (other,) = form.sides
@@ -169,6 +177,9 @@ def test_sides_beyond_the_cap_on_cells_are_announced(monkeypatch):
 
 @pytest.mark.exhaustive
 def test_a_bond_has_an_average_impulse_which_has_a_formula():
+    """Two bonded rods strike a third. The closed form agrees with exact runs at random
+    lengths, and the impulse of the bond is the momentum that the first rod loses.
+    """
     first = ri.Rod(3.0, area=2.5, material=UNIT, velocity=1.0)
     second = ri.Rod(1.0, area=2.0, material=UNIT, velocity=0.5)
     third = ri.Rod(3.0, area=0.5, material=UNIT)
@@ -217,6 +228,10 @@ def test_moduli_and_densities_may_be_symbols():
 
 @pytest.mark.exhaustive
 def test_formulas_of_a_stepped_striker_agree_with_runs_on_fractions():
+    """The closed form of a striker of two segments, on both sides of its border, has
+    the restitution of the exact run; at random lengths within its cell it agrees with
+    further runs.
+    """
     thin = ri.Segment(0.3, 1.0, UNIT)
     thick = ri.Segment(0.2, 3.0, UNIT)
     striker = ri.Rod(segments=[thin, thick], velocity=1.0)

@@ -163,6 +163,9 @@ def test_an_internal_fault_ends_with_1_and_shows_where(monkeypatch, capsys):
 @pytest.mark.skipif(os.name == "nt", reason="no such signals")
 @pytest.mark.usefixtures("children_hear_signals")
 def test_sigint_ends_a_long_run_with_130_and_without_traceback(case):
+    """`run` of an endless case is interrupted while it solves: status 130, nothing on
+    standard output, and "rodimpact: interrupted" as the last line of standard error.
+    """
     case.write_text(ENDLESS)
     code = """
 import sys
@@ -243,6 +246,9 @@ def test_a_poor_encoding_of_the_output_is_no_fault(case):
 @pytest.mark.exhaustive
 @pytest.mark.skipif(os.name == "nt", reason="a directory in use stays")
 def test_a_deleted_working_directory_is_named(case, tmp_path):
+    """`run --save` in a folder that no longer exists ends with status 1, without a
+    table, and names the file that it cannot write.
+    """
     code = """
 import os, sys
 from rodimpact.cli import main
@@ -270,6 +276,9 @@ sys.exit(main(["run", sys.argv[1], "--save", "a.toml"]))
 def test_nothing_but_results_goes_to_standard_output_when_stderr_is_closed(
     output_of, argv, status
 ):
+    """With standard error closed, a command has the same status and standard output as
+    otherwise; this output is empty unless the status is 0.
+    """
     expected = output_of(*argv, status=status)
     shell = ["sh", "-c", 'exec "$@" 2>&-', "sh"]  # "$@": the program and its arguments
     program = [sys.executable, "-m", "rodimpact", *argv]
@@ -291,6 +300,9 @@ def test_nothing_but_results_goes_to_standard_output_when_stderr_is_closed(
 @pytest.mark.skipif(os.name == "nt", reason="no such signals")
 @pytest.mark.usefixtures("case", "children_hear_signals")
 def test_ctrl_c_while_a_file_is_written_leaves_nothing(tmp_path):
+    """`run --save` is interrupted while the file is written: status 130, one message,
+    and no file is left beside the case.
+    """
     code = """
 import time
 from rodimpact.storage import writing
@@ -345,6 +357,9 @@ def test_ctrl_c_before_the_program_listens_shows_no_traceback(tmp_path):
 def test_a_run_of_no_time_prints_its_table_and_tells_why_it_draws_nothing(
     case, capsys, argv, remedy, status
 ):
+    """`run` of a case that ends at 0 s prints its table, writes neither figure nor
+    gauges, and says why for each, with a remedy.
+    """
     outputs = ["--plot", "a.png", "--gauges", "a.csv", "--gauge", "a=1:0.5"]
     reason = "there is nothing to draw, the run ended at 0 s. "
 
@@ -460,6 +475,9 @@ def test_a_film_that_cannot_be_made_is_refused(case, refuses, argv, sentence):
 
 
 def test_gauges_of_the_case_are_written(case):
+    """`run --gauges` writes the same file for two gauges of the case as for the same
+    gauges given as options; a gauge without a name is named after its rod and position.
+    """
     far_gauge = '[[gauges]]\nbody = 1\nfraction = 0.5\nname = "far"\n'
     end_gauge = "[[gauges]]\nbody = 0\nfraction = 1\n"
     case.write_text(CASE + far_gauge + end_gauge)
@@ -638,6 +656,9 @@ def test_a_saved_solution_is_a_case_with_its_gauges(case, output_of, capsys):
 
 
 def test_a_falsified_outcome_is_told_where_the_same_run_is_made(case, capsys):
+    """The peak force in a saved solution is changed: `run` of it warns in one line of
+    the difference, and stays silent with another `--until`, which is another run.
+    """
     main(["run", str(case), "--save", "run.toml"])
     text = Path("run.toml").read_text("utf-8")
     falsified = re.sub('"peak_force.0" = .*', '"peak_force.0" = 1.0', text)
@@ -923,6 +944,9 @@ def story(text, title):
 
 
 def test_box_tells_the_stages_of_identical_rods(box_text):
+    """`box` tells, for identical rods, the times at which the wave turns back and the
+    force ends, with the velocity and stress of both rods before and after each.
+    """
     lines = story(box_text, "Identical rods")
     turn = "the wave turns back at the free end of the"
     first_turn = lines.index(f"198.116 us {turn} left rod")

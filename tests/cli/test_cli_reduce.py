@@ -73,6 +73,9 @@ def text_of(output_of):
 
 
 def test_json_and_the_table_are_those_of_the_function(text_of):
+    """`reduce --json` prints the times and true stresses of `ri.reduce` bit for bit;
+    without --incompressible the printed table is that of its result.
+    """
     printed = json.loads(text_of(*ALL, "--incompressible", "--json"))
 
     case = ri.read_case("bars.toml")
@@ -117,6 +120,9 @@ WRONG_DISTANCE = [
 
 
 def test_a_doubt_is_told_once_in_the_table_or_in_json(capsys):
+    """`reduce` with a wrong distance prints its doubts in the table, the same ones in
+    JSON, and nothing on standard error.
+    """
     assert reduce(*WRONG_DISTANCE) == 0
     printed = capsys.readouterr()
     assert reduce(*WRONG_DISTANCE, "--json") == 0
@@ -331,6 +337,10 @@ def test_mistakes_of_equal_forces_are_named_by_option(options, sentence, refuses
 
 @pytest.mark.exhaustive
 def test_a_planned_shot_is_reduced_with_its_own_case(capsys):
+    """A shot with a yielding specimen is computed, its records are written, and
+    `reduce` uses them with the case file of the plan: the largest force is that of the
+    contact to 1 %.
+    """
     ideal = BARS.replace("poisson_ratio = 0.33\n", "")  # bars that do not disperse
     Path("plan.toml").write_text(
         ideal

@@ -79,6 +79,10 @@ def table_of(text):
 
 
 def test_the_table_names_the_parameters_and_the_extremes(case, capsys):
+    """The table of a sweep over five lengths names the parameter with its range, the
+    number of collisions, the smallest and largest e with their lengths; no line ends
+    with a space.
+    """
     assert sweep("--vary", LENGTHS) == 0
 
     out, err = capsys.readouterr()
@@ -317,6 +321,9 @@ def test_a_saved_family_is_no_table(refused):
 
 
 def test_all_mistakes_are_reported_at_once(case, no_sweep, refused):
+    """`sweep` of a wrong case with many wrong options names all ten of them, with a
+    suggestion for a misspelt path, and does not sweep.
+    """
     Path("a.npz").write_text("precious")
     case.write_text(CASE.replace('"1 m"', "-1") + "[solve]\nuntil = 1\n")
     grids = [

@@ -233,6 +233,9 @@ def test_points_of_grids_have_displacements_and_cells_the_mean_velocity():
 
 
 def test_restitution_velocity_force_and_strain_are_those_of_the_solution():
+    """The scene of a pair has the restitution of its solution, in numbers and text, its
+    closed form, the velocity after, the peak force and the strain of the gauge.
+    """
     solution, scene = shown(PAIR)
     outcome = solution.outcome
 

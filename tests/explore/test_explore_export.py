@@ -153,6 +153,9 @@ def test_every_script_of_the_package_is_one_of_the_page_or_of_its_frame():
 def test_a_case_that_the_page_cannot_solve_is_refused_before_anything_is_written(
     case, tmp_path, capsys, command
 ):
+    """`explore` and `export` of a case for a grid end with status 2, recommend
+    `animate`, and write no file.
+    """
     case.write_text(case.read_text("utf-8") + "[solve]\nmethod = 'finite-difference'\n")
     options = ["--no-browser"]
     if command == "export":
@@ -219,6 +222,9 @@ def test_python_saves_a_page_and_a_family_under_their_own_endings_only(tmp_path)
 def test_explore_opens_a_temporary_page_unless_told_not_to(
     case, tmp_path, monkeypatch, capsys
 ):
+    """`explore`, without a case and with one, prints the path of a page and opens it;
+    with --no-browser it opens none. The title of the page is that of the case, escaped.
+    """
     opened = []
     monkeypatch.setattr("webbrowser.open", opened.append)
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path))

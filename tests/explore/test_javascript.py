@@ -519,6 +519,9 @@ def answers(function, designs):
 @pytest.mark.exhaustive
 @needs_node
 def test_joints_too_many_fronts_and_lengths_that_are_no_number_are_told_on_the_page():
+    """The translated page refuses a joint, a rod with too many fronts, and a length
+    "x", each with a message.
+    """
     with_joint = ri.System([LEFT, LEFT], contacts=[ri.Joint(1e10)])
     n_pieces = 3200  # of the velocity along the rod, 0.4 m
     jumps = np.linspace(0.0, 0.4, n_pieces + 1)[1:-1]  # inside the rod

@@ -172,6 +172,9 @@ def picture(page, canvas="#diagram"):
 
 
 def test_dragging_a_slider_moves_e_as_the_api_does(visit):
+    """The slider of the length is dragged with the mouse: e is that of `collide`, the
+    picture changes, and the chosen example is cleared. Before, e is 0.4.
+    """
     page = visit()
     wait_for_e(page, "0.4")
     assert page.inner_text("#meaning") == "speed of parting / speed of approach"
@@ -283,6 +286,9 @@ def test_a_material_of_the_list_or_of_ones_own_can_be_chosen(visit):
 
 
 def test_a_mistake_is_told_beside_its_field_in_its_unit_and_mended(visit):
+    """A length of -5 mm: a message in mm stands beside the field, and e, facts and
+    reason are hidden. After 500 mm the message is gone.
+    """
     page = visit()
     field(page, LENGTH).fill("-5")
     problem = page.locator(f'[id="problem:{LENGTH}"]')
@@ -308,6 +314,9 @@ def test_negative_numbers_have_a_minus_sign_and_no_hyphen(visit):
 
 
 def test_the_address_of_a_view_opens_the_same_view(visit):
+    """Design, field, question and time are changed, and go into the address. A second
+    page at this address has the same e, question and pictures.
+    """
     page = visit()
     field(page, LENGTH).fill("300")
     page.check("input[value=stress]")
@@ -364,6 +373,10 @@ PREFIXES = {"": 1.0, "m": 1e-3, "µ": 1e-6}
 
 
 def test_pointing_reads_the_velocity_of_the_solution_or_that_no_rod_is_there(visit):
+    """The mouse points at five places of the diagram: the page tells rod, x, t and the
+    velocity of the solution there, or that there is no rod. At least three are on a
+    rod.
+    """
     page = visit()
     solution = ri.solve(PRESETS["unequal"].system)
     box = page.locator("#diagram").bounding_box()
@@ -413,6 +426,9 @@ def test_buttons_zoom_in_and_show_all(visit):
 
 
 def test_keys_zoom_move_and_show_all_and_read_values(visit):
+    """Keys zoom and move the diagram, "0" shows all of it again, an arrow reads the
+    velocity, and Escape gives back the first picture.
+    """
     page = visit()
     page.mouse.move(0, 0)
     whole = picture(page)
@@ -447,6 +463,9 @@ def test_the_wheel_scrolls_the_page_and_zooms_with_control(visit):
 
 
 def test_a_case_can_be_saved_with_its_gauges(visit, tmp_path):
+    """The downloaded case file has the typed length, the gauges of the preset, and the
+    schema.
+    """
     page = visit()
     field(page, LENGTH).fill("350")
     wait_for_e(page, "0.35")
@@ -585,6 +604,9 @@ HERTZ = ri.System(PRESETS["unequal"].system.bodies, contacts=[ri.Hertz(1e10)])
 def test_a_spring_keeps_the_faces_apart_and_the_film_begins_before_contact(
     visit, solved
 ):
+    """At eleven times the drawn rods of a Hertz contact do not touch; the film and the
+    lines of the centres begin before time 0.
+    """
     page = visit(solved(HERTZ))
     for thousandths in range(0, 1001, 100):
         rods = rods_at(page, thousandths)
@@ -609,6 +631,10 @@ def test_a_scene_knows_the_number_of_cells_of_all_its_grids(visit, solved):
 
 
 def test_a_sentence_follows_the_events(visit):
+    """Buttons, a click on the time axis, and a click in the list go to events of the
+    collision; a sentence tells the event each time. The third event is at two transits
+    of the striker.
+    """
     page = visit()
     sentence = page.locator("#sentence")
     assert sentence.get_attribute("aria-live") == "polite"
@@ -661,6 +687,9 @@ PARTS_THAT_TELL = (
 
 
 def test_before_a_guess_nothing_is_seen_that_tells_e(visit):
+    """After "guess first", all parts that tell e are hidden and the page asks one
+    question. The diagram stays hidden also after another design and back.
+    """
     page = visit()
     whole = picture(page)
 
@@ -717,6 +746,9 @@ def test_a_verdict_disappears_when_e_changes(visit):
 
 
 def test_the_question_is_about_the_row_that_is_chosen_and_a_chain_has_no_e(visit):
+    """The question names rod 2 for two rods, not for a wall; for a chain the page says
+    that e belongs to one contact, and shows none.
+    """
     page = visit()
     page.click("#guess-first")
     question = page.locator("#asked")
@@ -738,6 +770,9 @@ def test_the_question_is_about_the_row_that_is_chosen_and_a_chain_has_no_e(visit
 def test_e_and_its_curve_are_seen_beside_the_picture_while_any_slider_moves(
     visit, width, height
 ):
+    """Each of the 8 sliders is scrolled into view: slider, e, curve and diagram are
+    then on the screen together, and nothing covers the slider.
+    """
     page = visit(viewport={"width": width, "height": height})
     for part in ("bodies.0", "contacts.0", "bodies.1", "gauges"):
         unfold(page, part)
@@ -763,6 +798,9 @@ def test_e_and_its_curve_are_seen_beside_the_picture_while_any_slider_moves(
 
 
 def test_rods_and_masses_share_one_count_from_the_left_without_walls(visit, solved):
+    """A wall, a rod and a mass are named "The wall", "Rod 1" and "Mass 2" in form,
+    results, plots and sentence, while paths count the wall, too.
+    """
     rod = PRESETS["unequal"].system.bodies[1]
     mass = ri.RigidMass(1.0, velocity=-1.0)
     page = visit(solved(ri.System([ri.Wall(), rod, mass])))
@@ -785,6 +823,9 @@ def test_rods_and_masses_share_one_count_from_the_left_without_walls(visit, solv
 def test_dashed_lines_have_the_slopes_of_the_velocities_and_marks_the_round_trips(
     visit,
 ):
+    """The lines of both centres have the slopes of the velocities before and after the
+    force, and the marks on the time axis are at the round trips of both rods.
+    """
     page = visit()
     # First and last slope of the line of each centre, m/s: before and after the force.
     slopes = page.evaluate("""() => page.scene.centres.map(({ t, y }) => [[0, 1], [-2, -1]]
@@ -803,6 +844,9 @@ def test_dashed_lines_have_the_slopes_of_the_velocities_and_marks_the_round_trip
 
 
 def test_the_picture_is_displaced_lines_up_with_the_rods_and_fills_its_width(visit):
+    """In the middle of the film, the struck face is at the same pixel in diagram and
+    strip of rods, at the end of its rod, and the row fills 95 % of the width.
+    """
     page = visit()
     page.locator("#time").fill("500")
     page.wait_for_function("() => !page.isRedrawDue")
@@ -827,6 +871,9 @@ def test_the_picture_is_displaced_lines_up_with_the_rods_and_fills_its_width(vis
     [(1440, "unequal"), pytest.param(390, "chain", marks=pytest.mark.exhaustive)],
 )
 def test_a_print_is_one_page_on_white_without_controls(visit, width, key):
+    """A dark page is printed: the PDF has one page, the theme is light and no control
+    is visible. On the screen it is dark again.
+    """
     page = visit(viewport={"width": width, "height": 800}, color_scheme="dark")
     page.select_option("#preset", key)
     page.wait_for_function(DRAWN)
@@ -845,6 +892,9 @@ def test_a_print_is_one_page_on_white_without_controls(visit, width, key):
 
 
 def test_a_tour_shows_the_box_and_other_examples_in_six_steps(visit):
+    """The tour is followed to its end: presets and times shown at its six steps are
+    those of the collision of the box, a wall and unequal rods.
+    """
     page = visit()
     page.click("#tour-open")
     presets_shown = []
@@ -877,6 +927,9 @@ def test_the_space_bar_plays_and_pauses_without_scrolling(visit):
 
 
 def test_a_finger_reads_values_and_finds_every_control_large_enough(visit):
+    """On a touch screen, a tap on the diagram reads the velocity, and no visible
+    control is smaller than 24 pixels.
+    """
     page = visit(viewport={"width": 360, "height": 700}, has_touch=True)
     box = page.locator("#diagram").bounding_box()
     page.touchscreen.tap(box["x"] + 0.4 * box["width"], box["y"] + 0.5 * box["height"])
@@ -893,6 +946,9 @@ def test_a_finger_reads_values_and_finds_every_control_large_enough(visit):
 
 @pytest.mark.exhaustive
 def test_two_collisions_are_shown_at_the_same_time_in_the_same_colours(visit):
+    """A collision is kept and another one chosen: the text names the kept e, both have
+    one scale of colours, and time begins with the earlier one.
+    """
     page = visit()
 
     page.click("#compare")
@@ -930,6 +986,10 @@ def bodies_of(page):
 
 
 def test_bodies_and_steps_are_added_removed_moved_and_undone(visit):
+    """A wall and a mass are added, a rod is removed, the mass is moved, a step is added
+    and removed. The list of bodies follows each change, gauges and contacts too; after
+    six undos e is 0.4 again.
+    """
     page = visit()
     page.select_option("#add-kind", "wall")
     page.click("[aria-label='Add body']")
@@ -988,6 +1048,9 @@ def drag(page, start, distance):
 
 
 def test_ends_gauges_and_rods_are_dragged_in_the_picture(visit):
+    """An end is dragged, and the rod gets longer, with its e; a gauge is dragged along
+    its rod; a rod is dragged past the other, and they change places until an undo.
+    """
     page = visit()
     right_end = "page.strip.frame.across(page.strip.ends.get({body})[1])"
     right_end_of_first = right_end.format(body=0)
@@ -1025,6 +1088,9 @@ def test_names_never_become_markup(visit, solved):
 
 
 def test_an_address_whose_design_cannot_be_read_or_solved_is_told(visit, url):
+    """Three wrong designs in the address, with gravity, of a wrong type and incomplete,
+    lead to messages on the page.
+    """
     context = visit().context
     for address, words in (
         (
@@ -1060,6 +1126,10 @@ def test_two_rods_with_round_ends_are_solved_for_each_length_of_the_first(
 def test_the_curve_of_round_ends_falls_from_e_of_balls_to_the_ratio_of_lengths(
     visit, solved
 ):
+    """The curve of e over the stiffness of a Hertz contact is 1 at the softest contact
+    and the ratio of lengths, 0.7, at the stiffest; at the stiffness of the case it is
+    that of `solve`.
+    """
     system = with_first_length(HERTZ, 0.7)
     page = visit(solved(system))
     for curve in ("curve", "roundness"):
@@ -1146,6 +1216,10 @@ def test_a_map_of_compliant_contacts_is_made_of_solutions(visit, solved):
 
 
 def test_a_collision_that_takes_too_long_is_told_and_the_page_goes_on(visit, solved):
+    """The time for solving is limited, and a rod becomes 1 um long: the page says that
+    this takes too long and hides the results. After an undo and another length it shows
+    results again.
+    """
     left, right = PRESETS["unequal"].system.bodies
     middle = right.replace(length=0.1)
     contacts = [ri.Rigid(), ri.Hertz(1e10)]
@@ -1171,6 +1245,9 @@ def test_a_collision_that_takes_too_long_is_told_and_the_page_goes_on(visit, sol
 
 @pytest.mark.exhaustive
 def test_a_curve_of_other_rods_is_grey_until_it_is_solved(visit, solved):
+    """The curve over the stiffness is outdated for a rod of another length, and only
+    then; an outdated curve is drawn in grey, another in blue.
+    """
     page = visit(solved(HERTZ))
     page.wait_for_function("() => page.scene.roundness.isOutdated === false")
     # The curve was solved for a first rod of 0.4 m.
@@ -1468,6 +1545,9 @@ def test_all_bodies_of_random_rows_are_inside_the_picture_at_all_times(visit):
 
 @pytest.mark.exhaustive
 def test_escape_ends_the_tour_and_gives_all_back(visit):
+    """The tour is left with Escape at its second step: length, time of the film and
+    focus are as they were before it.
+    """
     page = visit()
     field(page, LENGTH).fill("700")
     wait_for_e(page, "0.7")
@@ -1489,6 +1569,9 @@ def test_escape_ends_the_tour_and_gives_all_back(visit):
 
 
 def test_an_arrow_is_dragged_and_undone(visit):
+    """Dragging the tips of the arrows changes the velocities of both rods by the scale
+    of the picture; two undos bring both back.
+    """
     page = visit()
     page.locator("#time").fill("0")
     stop_clock(page)
@@ -1528,6 +1611,9 @@ def handle(page, name):
 
 
 def test_ends_and_arrows_are_moved_by_keys(visit):
+    """Arrow and page keys on the handles change length and velocity; e, the value that
+    is read aloud, and the focus follow. The handles have the names `HANDLES`.
+    """
     page = visit()
     page.locator("#time").fill("0")
     page.wait_for_function("() => !page.isRedrawDue")
@@ -1549,6 +1635,9 @@ def test_ends_and_arrows_are_moved_by_keys(visit):
 
 
 def test_handles_lie_on_ends_and_arrows_while_the_set_up_is_seen(visit):
+    """At time 0 the handles of length and velocity of rod 2 lie on its end and on the
+    tip of its arrow, to a pixel; later in the film there are none.
+    """
     page = visit()
     field(page, "bodies.1.velocity").fill("-0.1")
     page.locator("#time").fill("0")
@@ -1588,6 +1677,10 @@ def lines_drawn(page, statement):
 
 @pytest.mark.exhaustive
 def test_the_force_stands_beside_the_diagram_on_its_time_axis(visit):
+    """The lines that the page draws are recorded: one line marks the current time in
+    diagram and force, and the force begins and ends at the heights of these times and
+    fills its width.
+    """
     page = visit()
     page.locator("#time").fill("300")
     page.wait_for_function("() => !page.isRedrawDue")
@@ -1617,6 +1710,9 @@ def test_the_force_stands_beside_the_diagram_on_its_time_axis(visit):
 
 
 def test_a_chain_is_told_contact_by_contact_and_two_rods_are_not(visit):
+    """The preset of a chain shows a table with impulse, peak force and duration of each
+    contact, those of `solve`; for two rods this table is hidden.
+    """
     page = visit()
     page.select_option("#preset", "chain")
     rows = page.locator("#by-contact tbody tr")
@@ -1637,6 +1733,7 @@ def test_a_chain_is_told_contact_by_contact_and_two_rods_are_not(visit):
 
 @pytest.mark.exhaustive
 def test_a_label_without_room_is_left_out_and_the_others_stay(visit, solved):
+    """On a small screen, the texts that are drawn name rod 3, and not the short rod 2."""
     short = ri.System([steel_rod(0.05, 1.0), steel_rod(0.05), steel_rod(1.0)])
     page = visit(solved(short), viewport={"width": 390, "height": 844})
     page.locator("#time").fill("0")
@@ -1668,6 +1765,9 @@ def show_as_printed(page):
 
 
 def test_a_lesson_on_paper_has_question_set_up_pictures_and_reason(visit):
+    """A printed question shows, from top to bottom, question, set-up in words, rods
+    with arrows, diagram and plots, and the reason; plots are as wide as their columns.
+    """
     page = visit(viewport={"width": 1280, "height": 800})
 
     ask_question(page)
@@ -1707,6 +1807,10 @@ def test_a_lesson_on_paper_before_a_guess_has_lines_to_write_on_and_no_answer(vi
 
 
 def test_velocities_shown_are_those_of_the_api(visit):
+    """Twelve random rows: the page is final where `solve` is, and shows its velocities
+    after, rounded to 6 digits, or 4 for smooth waves. If not final, the name says "at
+    the end".
+    """
     rng = np.random.default_rng(3)
     page = visit()
     for _ in range(12):
@@ -1747,6 +1851,10 @@ import("data:text/javascript," + encodeURIComponent(WIDGET)).then(({ default: wi
 
 
 def test_a_notebook_is_told_what_the_sliders_say_but_no_mistake(visit, tmp_path):
+    """A page stands in a notebook. Of three lengths that are typed, the negative one is
+    not sent as a case; the last text sent is the design, and an undo sends an empty
+    text.
+    """
     # A "<" would end the script in which the page stands.
     html = json.dumps(ri.explore(HERTZ).html).replace("<", "\\u003c")
     widget = json.dumps(read("notebook.js"))

@@ -137,6 +137,9 @@ def test_e_of_other_rods_is_not_told_as_a_ratio(name):
 
 @pytest.mark.parametrize("seed", few_of(range(8), range(3)))
 def test_numbers_of_the_reason_are_those_of_the_solution(seed):
+    """Two random rods collide: velocities, e and the share of vibration in the sentence
+    on the page are those of the solution, as far as they are rounded.
+    """
     rng = np.random.default_rng(seed)
     striker = rod(rng.uniform(0.1, 1.0), rng.uniform(0.5, 2.0), rng.uniform(1e-4, 2e-4))
     struck = rod(rng.uniform(0.1, 1.0), area=rng.uniform(1e-4, 2e-4))

@@ -255,6 +255,9 @@ PICTURES = {
 @needs_node
 @pytest.mark.parametrize("name", few_of(PICTURES, {"ends"}))
 def test_grids_paths_and_curves_of_the_page_are_those_of_the_solution(name):
+    """The page solves a case with smooth waves: fields, paths of bodies, forces, gaps,
+    energies and the record of a gauge agree with the solution in Python.
+    """
     options = {}
     if name == "ends":
         options["until"] = 6e-4  # a driven run needs an end

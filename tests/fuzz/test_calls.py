@@ -146,6 +146,9 @@ def test_each_bad_value_of_each_argument_is_answered_or_refused_in_a_sentence(na
 @pytest.mark.filterwarnings("ignore::rodimpact.DoubtfulReduction")
 @pytest.mark.parametrize("seed", SEEDS)
 def test_several_bad_arguments_are_answered_or_refused_in_a_sentence(seed):
+    """Random public calls, except figures, get one to `MOST_SPOILT` bad arguments: each
+    call returns or is refused in a sentence, and more than half are refused.
+    """
     rng = default_rng(seed)
     quick = [call for call in CALLS if not call.name.startswith(FIGURES)]
     refused = 0

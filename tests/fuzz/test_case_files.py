@@ -98,6 +98,9 @@ def assert_round_trip(data):
 def test_a_spoilt_case_is_refused_or_balances_and_is_written_as_it_was_read(
     capsys, monkeypatch, tmp_path, seed
 ):
+    """Randomly spoilt case files are run: each is refused, or its balances hold; what
+    can be read is the same after writing and reading. More than a quarter are refused.
+    """
     rng = default_rng(seed)
     refused = 0
     for _ in range(EXAMPLES):

@@ -22,6 +22,9 @@ OPTIONS = [{}, {}, {"rate": 1e6}, {"time_unit": "us"}, {"units": "V"}, {"decimal
 
 @pytest.mark.parametrize("seed", SEEDS)
 def test_spoilt_tables_are_read_or_refused(tmp_path, seed):
+    """Randomly spoilt tables of records are read with random options: the result is a
+    dict of signals or FileFormatError, and both occur.
+    """
     rng = default_rng(seed)
     path = tmp_path / "shot.txt"
     kinds = set()

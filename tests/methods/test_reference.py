@@ -119,6 +119,9 @@ class Reference:
     """The row of bodies as segments and, between and beyond them, nodes with a law."""
 
     def __init__(self, system):
+        """Nodes, laws, gaps and segments of a row of rods and walls at time 0, in
+        fractions; no force has acted yet.
+        """
         self.t = Fraction(0)
         self.segments = []
         self.laws = []  # of nodes: "free", "bonded" or "rigid"

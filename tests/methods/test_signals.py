@@ -207,6 +207,9 @@ def test_integrals_of_polynomials_and_of_their_products_are_those_of_scipy(seed)
 
 @pytest.mark.parametrize("size", [1, 2, 9])
 def test_difference_product_delay_sum_and_multiple_have_their_values(size):
+    """At random ticks, f - g, f g and 3 (f + 2), delayed by 5 ticks, of two piecewise
+    polynomials have the values that follow from those of f and g.
+    """
     f, _ = random_pieces(1, size=size)
     g, _ = random_pieces(2, count=3)  # with other breaks and another degree
     rng = default_rng(3)
@@ -244,6 +247,9 @@ def test_a_part_of_a_signal_has_its_values(size):
 
 
 def test_straight_lines_between_marks_follow_a_signal():
+    """Straight lines between the `marks` of a random signal miss it by less than twice
+    `LINE_RTOL` of its range, and there are not too many marks.
+    """
     signal, _ = random_pieces(5)
     marks = signal.marks
     at_marks = signal.at(marks)

@@ -76,6 +76,10 @@ def test_ends_are_two(ends):
 
 
 def test_numbers_of_drives_make_families():
+    """A velocity, two forces and two times of drives at both ends make a family of
+    shape (2, 2) with these three parameters; a member has its own drive, and the family
+    survives `to_dict`.
+    """
     forces = np.array([1.0, 2.0])
     times = np.array([[1e-3], [2e-3]])
     moved = ri.Moved([[1.0]])

@@ -352,6 +352,9 @@ PROFILES = st.one_of(
 def test_averages_are_integrals_over_widths_and_lie_between_the_extremes(
     profile, edges
 ):
+    """The averages of a random profile between edges are its integrals over the widths,
+    and lie between the extremes, which are the smallest and largest value.
+    """
     expected = []
     for start, end in pairwise(edges):
         if isinstance(profile, ri.Steps):

@@ -576,6 +576,9 @@ def family():
 
 
 def test_numbers_of_every_kind_make_families_by_their_paths(family):
+    """A family of shape (3, 2) in which numbers of masses, contacts, gravity and an end
+    vary has exactly the paths of these numbers as parameters.
+    """
     assert family.shape == (3, 2)
     assert set(family.parameters) == {
         "bodies.1.mass",
@@ -677,6 +680,10 @@ def test_a_system_survives_its_description(system):
 
 
 def test_a_mirror_turns_gravity_and_drives():
+    """The mirrored row has the opposite gravity, bodies, contacts and ends in reverse
+    order, opposite velocities, and unchanged pushes. Mirrored twice, it is the row
+    itself.
+    """
     push = ri.Pushed(ri.Steps([1.0, 2.0], [1e-3]))
     pull = ri.Moved(ri.Samples([1.0, 2.0], step=1e-3))
     bodies = [rod(velocity=1.0), MASS, rod()]
@@ -718,6 +725,9 @@ def test_gravity_and_held_ends_stay_when_time_is_turned_round():
 
 
 def test_no_film_runs_backwards_where_something_is_lost():
+    """`reversed` is refused for a row with viscosity, damping, imperfect restitution
+    and an absorbing end: each of the six is named.
+    """
     viscous = steel.replace(viscosity=1.0)
     elastic_segment = ri.Segment(1.0, 1e-4, steel)
     viscous_segment = ri.Segment(1.0, 1e-4, viscous)
@@ -903,6 +913,9 @@ def test_areas_between_places_hold_the_volume(areas, length, cuts):
 
 @given(AREAS, st.integers(1, 50))
 def test_a_taper_in_steps_keeps_mass_length_state_and_uniform_segments(areas, n):
+    """A tapered segment becomes n uniform ones with its mean areas; mass, length,
+    velocity, strain, polar moment and the uniform segment behind it stay.
+    """
     tapered = ri.Segment(1.0, ri.Samples(areas), steel, **ROUND_LOVE)
     uniform = ri.Segment(0.5, 1e-4, glass)
     rod_of_both = ri.Rod(

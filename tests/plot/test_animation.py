@@ -141,6 +141,9 @@ POINTS = [(0, 0.07), (0, 0.29), (1, 0.11), (1, 0.53), (1, 0.87)]  # body, x in m
 
 @pytest.mark.parametrize("field", few_of(["velocity", "stress"], ["stress"]))
 def test_rods_have_their_places_and_the_colour_of_their_state(solved, field):
+    """In three frames of a film, the pixel at the position of each of `POINTS` has the
+    colour of the velocity or stress of the solution there.
+    """
     solution = solved["unequal"]
     field_at = getattr(solution, field)
     film = plot.animation(solution, field, frames=9, magnification=1.0)
@@ -505,6 +508,9 @@ def case(tmp_path, monkeypatch):
 
 
 def test_the_command_makes_the_film(case, capsys):
+    """`animate` writes a GIF with the frames, the duration and the dark paper that its
+    options ask for, and says so in one line.
+    """
     options = ["--frames", "4", "--fps", "20", "--field", "stress", "--dark"]
 
     status = main(["animate", case, "-o", "film.gif", *options, "--until", "0.2 ms"])

@@ -180,6 +180,9 @@ FIELDS = ["velocity", "stress", "strain"]
 def test_colour_limits_are_symmetric_about_rest_and_hold_all_values(
     solved, name, field
 ):
+    """The limits of the colours enclose all drawn values, and their middle is 0, or the
+    drift for the velocity of a drifting row.
+    """
     picture = plot.spacetime(solved[name], axes(), field)
 
     at_rest = 0.0
@@ -485,6 +488,9 @@ def minor_ticks(axis):
 
 
 def test_the_axes_show_lengths_names_and_round_trips(solved):
+    """The axes of a diagram have marks at the ends of the rods and their round trips,
+    and names in the middle; numbers that would touch a name are left out.
+    """
     ax = plot.spacetime(solved["unequal"]).ax
 
     lengths = major_ticks(ax.xaxis)
@@ -553,6 +559,10 @@ def test_fronts_are_named_by_what_they_add_to_the_stress(solved):
 
 
 def test_centres_of_mass_are_dashed_and_move_as_they_do(solved):
+    """In a magnified diagram, the line of each centre has the slope of the mean
+    velocity of its rod and begins at its centre of mass, also for a stepped rod; the
+    legend names it.
+    """
     solution = solved["stepped"]
     magnification = 100.0
 
@@ -689,6 +699,9 @@ def test_the_gap_is_drawn_as_an_exact_line(solved):
     ],
 )
 def test_energy_bands_add_up_to_the_initial_energy(solved, name, label):
+    """The bands of energy add up to the initial kinetic energy at all times, and the
+    motion as a whole keeps 0.4 of it; there is no work, and the bands are named.
+    """
     initial = 0.5 * STEEL.density * AREA * 0.4 * 1e3  # mJ
 
     drawn = plot.energy(solved[name], axes())
@@ -707,6 +720,9 @@ def test_energy_bands_add_up_to_the_initial_energy(solved, name, label):
 
 
 def test_gauge_record_is_in_microstrain_and_microseconds(solved):
+    """The record of a gauge shows the incident pulse of v/(2 c) at its times, and its
+    waves add up to the strain; the axes name the units.
+    """
     record = solved["unequal"].gauge(1, 0.5)
     arrival = 0.5 / C * MICROSECONDS
     end = 1.3 / C * MICROSECONDS  # later by the round trip of the striker of 0.4 m
@@ -873,6 +889,9 @@ def boxes_of_words(figure):
 @pytest.mark.usefixtures("laid_out")
 @pytest.mark.parametrize("width", few_of([85, 120, 170, 300], {85}))
 def test_words_of_a_page_of_any_width_stay_apart_and_inside(solved, width):
+    """In an overview of a given width no two texts overlap and none leaves the page;
+    axes are higher than half an inch, and all labels are there.
+    """
     with plot.look(width=width):
         figure = plot.overview(solved["unequal"])
     FigureCanvasAgg(figure).draw()
@@ -932,6 +951,9 @@ def axes_titled(figure, title):
 
 @pytest.mark.exhaustive
 def test_overview_of_many_contacts_draws_each_on_a_line_of_its_own(solved):
+    """In the overview of a cradle, each of four contacts has its own line with its
+    name; its force begins and ends with its episode, at one scale.
+    """
     solution = solved["cradle"]
 
     figure = plot.overview(solution)
@@ -1061,6 +1083,9 @@ def test_colours_grow_lighter_all_the_way():
 
 
 def test_a_given_axes_is_used_and_settings_are_left_alone(solved):
+    """`plot` draws into a given axes; a figure of its own has its own look in spite of
+    the settings of the user, and these are unchanged afterwards.
+    """
     before = settings()
     of_user = {"text.color": "red", "font.size": 30.0, "figure.facecolor": "black"}
     solution = solved["unequal"]

@@ -229,6 +229,10 @@ def reduced_record():
 
 
 def test_a_reduction_shows_stress_and_strain_rate_over_strain():
+    """The figure of a reduction draws nominal stress in MPa and strain rate over the
+    strain in %, over loading only, with a largest stress of 160 MPa; its axes name
+    both.
+    """
     _, reduction = reduced_record()
 
     picture = plot.reduction(reduction)

@@ -109,6 +109,9 @@ def energy_in_frame(solution, t, frame):
 
 @some_rows
 def test_energy_per_length_sums_up_to_the_energy_of_the_solution(solved, name):
+    """At three times, the drawn energies per length, times the widths of their regions,
+    sum to the energy of the solution in the frame of the picture.
+    """
     solution = solved[name]
     frame = FRAME_VELOCITIES.get(name, 0.0)
 
@@ -255,6 +258,9 @@ def assert_on_its_side(upright, across):
 @pytest.mark.exhaustive
 @pytest.mark.parametrize("name", few_of(SYSTEMS, {"drifting"}))
 def test_time_across_is_the_same_picture_on_its_side(solved, name):
+    """A diagram with time across has the regions, lines, walls, labels and limits of
+    the upright one with x and y exchanged.
+    """
     upright = plot.spacetime(solved[name], axes(), "stress", across=False)
     across = plot.spacetime(solved[name], axes(), "stress", across=True)
 

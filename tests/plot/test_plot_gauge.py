@@ -71,6 +71,10 @@ def test_incident_and_reflected_pulse_of_a_struck_bar_are_shaded(struck_bar_solu
 
 
 def test_the_transmitted_pulse_beyond_a_specimen_is_drawn_and_shaded():
+    """Of a striker, two bars and a thin specimen, the windows of the incident,
+    reflected and transmitted pulse have the expected times and signs; the transmitted
+    strain is drawn and named.
+    """
     striker = rod(0.2, 10.0)
     specimen = rod(0.02, area=2e-5)
     system = ri.System([striker, rod(), specimen, rod()])
@@ -96,6 +100,9 @@ def test_the_transmitted_pulse_beyond_a_specimen_is_drawn_and_shaded():
 
 @pytest.mark.exhaustive
 def test_windows_of_smooth_waves_are_those_of_the_pulse_of_the_striker():
+    """With a spring between two bars, the windows of all three pulses begin and end, to
+    1 us, as for the pulse of the striker.
+    """
     bars = [rod(0.2, 10.0), rod(), rod()]
     system = ri.System(bars, contacts=[ri.Rigid(), ri.Spring(4e8)])
     solution = ri.solve(system, 4.5e-4, "characteristics")

@@ -217,6 +217,9 @@ def half_width(word, dpi):
 @pytest.mark.exhaustive
 @pytest.mark.parametrize("width", few_of([85, None], [85]))
 def test_words_along_fronts_keep_clear_of_the_contact(solved, width):
+    """In a diagram of a given width, each word along a front is further from the line
+    of the contact than half its own width.
+    """
     with plot.look(width=width):
         picture = plot.spacetime(solved["unequal"])
     render(picture)
@@ -299,6 +302,9 @@ def test_the_last_mark_of_the_law_is_whole():
 @pytest.mark.exhaustive
 @pytest.mark.parametrize("width", few_of([85, None], [85]))
 def test_labels_of_contours_keep_clear_of_each_other_of_lines_and_of_the_frame(width):
+    """On a map of a given width, at least five labels of contours overlap neither each
+    other nor the line of equal transit times, and lie within the frame.
+    """
     lengths = np.linspace(0.1, 2, 40)[:, np.newaxis]
     areas = np.linspace(1e-5, 3e-4, 30)
     striker = rod(lengths, 1.0, area=areas)
@@ -333,6 +339,9 @@ def length_of(label):
 
 @pytest.mark.exhaustive
 def test_no_dot_of_a_contour_is_left_between_its_label_and_the_frame():
+    """On a map, each label of a contour ends more than 6 points before the frame, so
+    that no short rest of the line is seen between.
+    """
     lengths = np.linspace(0.05, 1.5, 200)[:, np.newaxis]
     areas = np.geomspace(1e-5, 1e-3, 200)
     family = ri.System([rod(lengths, 1.0), rod(area=areas)])

@@ -207,6 +207,9 @@ def test_cells_hold_the_mean_of_the_field_over_their_time(solved, case):
 
 @pytest.mark.exhaustive
 def test_masses_are_strips_of_the_width_that_the_label_names(solved):
+    """A mass in a diagram is a strip 0.05 m wide, as the label says; its left side
+    follows the position of the mass, and the next rod begins at its right side.
+    """
     solution = solved["hertz"]
 
     picture = plot.spacetime(solution, axes(), coordinates="lab", magnification=1.0)
@@ -261,6 +264,9 @@ def test_an_end_driven_by_a_force_is_named_in_the_legend(solved):
     "method", few_of(["fronts", "characteristics"], ["characteristics"])
 )
 def test_a_fixed_end_is_hatched_like_a_wall(method):
+    """A row with a fixed right end has one hatched wall beyond 1.4 m in the diagram,
+    and one in each snapshot.
+    """
     ends = (ri.Free(), ri.Fixed())
     system = ri.System([rod(0.4, 1.0), rod()], ends=ends)
     solution = ri.solve(system, 1e-3, method=method)
@@ -349,6 +355,9 @@ def test_moments_hold_all_events_at_the_contacts(solved):
 
 @pytest.mark.exhaustive
 def test_snapshots_show_the_first_and_last_of_many_events_and_count_the_hidden():
+    """Snapshots of a row with many events show eight times, with the first and last
+    event, and the caption counts the others; at chosen times it counts none.
+    """
     steel = ri.materials.steel
     rods = []
     for length in (0.2, 0.3, 0.5):
@@ -371,6 +380,9 @@ def test_snapshots_show_the_first_and_last_of_many_events_and_count_the_hidden()
 
 
 def test_pieces_have_the_velocity_and_outline_of_the_rods(solved):
+    """A snapshot of a bar test has some 300 coloured pieces from the first end to the
+    last; those of the striker have its velocity, and each of the three rods an outline.
+    """
     solution = solved["hopkinson"]
     t = 2.5e-4
 

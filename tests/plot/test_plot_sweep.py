@@ -183,6 +183,9 @@ def test_the_closed_form_lies_under_few_points_and_is_smooth_between_them(swept)
 
 
 def test_curves_of_two_families_are_told_apart(swept):
+    """Three families in one axes have different colours and names in the legend, the
+    last one "family 3", and the limits hold all curves.
+    """
     ax = axes()
     shorter_lengths = swept["lengths"].system[:40]
 
@@ -459,6 +462,10 @@ def map_picture(swept):
 
 
 def test_a_map_has_a_cell_for_each_collision(swept, map_picture):
+    """The map over lengths and areas has a cell with the restitution of each member;
+    its borders are the geometric means of neighbouring values, the outer ones half a
+    ratio beyond.
+    """
     cells = map_picture.cells
     assert cells.get_rasterized()
     values = np.asarray(cells.get_array())  # [area, length]

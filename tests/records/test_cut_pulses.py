@@ -171,6 +171,9 @@ def test_gauges_with_a_gain_and_opposite_sides_are_cut_too(shot):
 
 
 def test_mistakes_of_cut_pulses_are_named(shot):
+    """Pulses beside gauges, something that is no pulses, different distances, an
+    unknown clock, and a pulse that is cut too short are refused, each in its words.
+    """
     incident, reflected, transmitted = cut_pulses(shot)
     pulses = ri.CutPulses(incident, reflected, transmitted)
     with pytest.raises(ri.InvalidModel, match="either pulses or gauges"):

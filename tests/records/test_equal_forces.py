@@ -267,6 +267,9 @@ def arguments_of_equal_forces(shot):
 
 
 def test_equal_forces_need_one_gauge_that_is_not_too_near(shot):
+    """`reduce` with equal forces refuses two gauges on the input bar, and one directly
+    at the specimen, at the path input_gauges.
+    """
     arguments = arguments_of_equal_forces(shot)
     near_gauge = shot.gauge(INPUT_BAR, 0.5)
     far_gauge = shot.gauge(INPUT_BAR, 0.6)

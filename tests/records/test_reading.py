@@ -420,6 +420,9 @@ def test_memory_is_bounded_by_four_times_the_file(
 def test_a_large_table_takes_up_to_four_times_its_size_and_reports_progress(
     read, tmp_path
 ):
+    """A table of 60,000 rows is read exactly with a peak of memory below four times its
+    size, and with more than five rising reports of progress.
+    """
     read("time_s,a\n0,1\n1,2\n")  # all modules are imported before memory is measured
     a, b = default_rng(0).normal(size=(2, 60_000)).round(7).tolist()
     lines = ["time_s,a_V,b_V\n"]
@@ -458,6 +461,9 @@ def test_a_table_that_takes_half_the_memory_is_refused_before_it_is_read(
 def test_blank_lines_and_cells_change_neither_numbers_nor_the_lines_that_are_named(
     read, monkeypatch
 ):
+    """A table with blank lines and empty cells, read in small blocks, has its values; a
+    wrong time is reported with the number of its line in the file.
+    """
     # Blocks of 50 bytes end in the midst of lines.
     monkeypatch.setattr("rodimpact.records.text_file.BLOCK", 50)
     values = [i * i % 7 for i in range(300)]
@@ -555,6 +561,9 @@ def test_files_of_labview_and_tektronix_say_units_and_times(tmp_path, text):
 
 
 def test_entries_of_a_scope_may_stand_beside_its_table(tmp_path):
+    """A scope file has its settings in the first two columns and the samples beside
+    them: name, unit, times and values of the one signal are read.
+    """
     entries = [
         "Record Length,4,",
         "Sample Interval,1e-6,",
@@ -582,6 +591,9 @@ def test_entries_of_a_scope_may_stand_beside_its_table(tmp_path):
 
 
 def test_empty_entries_of_labview_are_missing_ones(tmp_path):
+    """A LabVIEW file with an empty entry for its columns or its decimal sign is read;
+    without the start and step of its times it is refused.
+    """
     path = tmp_path / "shot"
     with_times = LVM.format(columns="One", sign=".") + "\n".join(ROWS)
     without_times = LVM.format(columns="No", sign=".") + ROWS_WITHOUT_TIMES
@@ -616,6 +628,7 @@ def test_an_empty_unit_of_time_of_tektronix_is_missing(tmp_path):
 
 
 def test_an_empty_source_beside_a_table_names_no_channel(tmp_path):
+    """A scope file whose Source is empty has one signal with the default name CH1."""
     entries = [
         "Record Length,4,",
         "Sample Interval,1e-6,",

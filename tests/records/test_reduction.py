@@ -670,6 +670,9 @@ def test_one_shot_has_no_mean_curve(shot):
     ],
 )
 def test_mistakes_are_named(shot, change, path, says):
+    """One argument of `reduce` is replaced by a wrong one, which may depend on the
+    first gauge: InvalidModel names its path with a fitting message.
+    """
     first = shot.gauge(0.381)
     arguments = {
         "input_gauges": first,

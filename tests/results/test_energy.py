@@ -64,6 +64,9 @@ def test_a_mass_bonded_to_a_wall_belongs_to_the_wall(
 
 @pytest.mark.parametrize("mirrored", [False, True])
 def test_a_blow_on_a_mass_bonded_to_a_wall_is_one_on_the_wall(mirrored):
+    """A mass strikes another that is bonded to a wall. Contact and bond both have the
+    impulse (1 + e) m v, and momentum balances; also mirrored.
+    """
     e = 0.5
     striker = ri.RigidMass(2.0, velocity=-1.0)
     bodies = [ri.Wall(), ri.RigidMass(3.0), striker]

@@ -181,6 +181,9 @@ NO_NUMBERS = [
 
 @pytest.mark.parametrize("method", few_of(METHODS, ["fronts"]))
 def test_what_is_no_place_or_time_is_refused_by_the_name_of_the_argument(method):
+    """Each of `NO_NUMBERS` is refused by every field as x, as t, or, by `signal`, as
+    interval; None for an interval stands for the usual one and is not tried.
+    """
     solution = solved(method)
     for value in NO_NUMBERS:
         for _, call in calls_with_a_place(solution):

@@ -294,6 +294,9 @@ def test_an_interval_longer_than_the_record_is_refused():
 
 
 def test_strains_of_a_grid_run_straight_between_its_states():
+    """The strain of a gauge on a grid is the recorded one at the kept states and the
+    mean of two neighbours in the middle between them.
+    """
     record = record_of_struck_rod(
         until=4e-5, method="finite-difference", cells=16, snapshots=9
     )

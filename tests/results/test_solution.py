@@ -101,6 +101,10 @@ def test_the_box_is_final_at_opening_and_proved_so_as_the_force_ends(box_solutio
 
 
 def test_fields_of_the_box(box_solution):
+    """When the waves of two equal rods are 0.2 m from the contact, velocities before
+    and behind them are 1, 0.5 and 0 m/s; stress and axial force are those of v/2, and
+    at the front `side` chooses the value.
+    """
     t = 0.2 / C  # the waves are 0.2 m from the contact, at x = 0.2 m of either rod
     x = [0.1, 0.3]
     in_striker = box_solution.velocity(0, x, t)
@@ -258,6 +262,10 @@ def test_more_regions_than_a_picture_shows_are_refused_with_the_number(box_solut
 
 
 def test_a_gauge_separates_the_waves_and_has_the_fields_at_its_place(box_solution):
+    """A gauge in the middle of the struck rod: its waves add to its strain, the first
+    is the incident wave of v/(2 c) at its time, and between changes strain and velocity
+    are those of the solution.
+    """
     x = 0.5
     gauge = box_solution.gauge(1, x)
     waves = gauge.rightward + gauge.leftward

@@ -170,6 +170,9 @@ def test_a_printed_derivative_has_its_stated_error():
 
 
 def test_e_of_equal_rods_falls_on_both_sides_of_a_kink_by_length_and_not_by_area():
+    """For two equal rods, e has the slopes 1/l below and -1/l above the length of the
+    first rod, without a jump, and the slope 0 by the area of the second.
+    """
     length = 0.4
     equal_rods = pair(length, struck_length=length)
 
@@ -187,6 +190,10 @@ def test_e_of_equal_rods_falls_on_both_sides_of_a_kink_by_length_and_not_by_area
 
 
 def test_a_gap_of_0_has_a_derivative_above_and_none_below():
+    """A contact is closed at the start. The derivative of the last velocity by its gap
+    is nan from below, and from above that of a one-sided difference; the gap has a
+    kink, and its derivative is nan.
+    """
     first, second = pair(0.4, 0.8).bodies
     last = ri.Rod(0.6, area=AREA, material=STEEL)
     system = ri.System([first, second, last])
@@ -261,6 +268,9 @@ def test_a_quantity_grows_by_powers_of_all_lengths_areas_and_velocities(
 def test_derivatives_of_families_are_those_of_members_compiled_and_in_plain_python(
     struck_lengths,
 ):
+    """Derivatives of a family by length and area of rod 2 are the same compiled and in
+    plain Python, and those of each member alone, one-sided values and kinks included.
+    """
     family = pair(0.4, np.array(struck_lengths))
     n_members = len(struck_lengths)
     paths = ["bodies.1.length", "bodies.1.area"]
@@ -555,6 +565,10 @@ COMPLIANT_NUMBERS = {
 @pytest.mark.exhaustive
 @pytest.mark.parametrize("seed", few_of(range(20), [0]))
 def test_stated_errors_of_compliant_rows_bound_the_difference_from_another_solver(seed):
+    """The derivative of an impulse by one number of a random compliant row differs from
+    that of an independent solver by its stated error at most, which is 1e-6 of the
+    slope at most.
+    """
     patterns = list(COMPLIANT_NUMBERS)
     pattern = patterns[seed % len(patterns)]  # of the path of the number that varies
     varied = COMPLIANT_NUMBERS[pattern]

@@ -117,6 +117,9 @@ def swept(costs, cluster, **options):
 def test_workers_end_together_though_the_last_tenth_takes_ten_times_as_long(
     clock, workers
 ):
+    """900 members take 0.1 s each and the last 100 take 1 s. All results are right, and
+    the last worker ends before 1.2 times the shortest possible time.
+    """
     short = np.full(900, 0.1)  # s
     long = np.full(100, 1.0)
     seconds = np.append(short, long)

@@ -219,6 +219,9 @@ USUAL = [name for name in RUNS if "random" not in name or name.endswith(FEW_SEED
 def test_a_saved_solution_is_found_again_bit_for_bit_and_saved_as_the_same_file(
     tmp_path, name
 ):
+    """A solution is saved, loaded and saved again: facts, outcome, options and file are
+    equal bit for bit, and the file read as a case gives the system and its options.
+    """
     system, options = RUNS[name]
     path = tmp_path / "run.toml"
     path_of_loaded = tmp_path / "again.toml"
@@ -273,6 +276,9 @@ def test_the_state_of_a_smooth_wave_comes_back_equal(tmp_path):
 
 
 def test_a_case_that_is_too_large_for_a_reader_is_not_written(tmp_path, monkeypatch):
+    """With a limit one byte below the size of its file, saving a solution is refused
+    and writes nothing; with the exact size it is written.
+    """
     solution = ri.solve(ri.System([SHORT, ri.Wall()]))
     size = len(ri.format_case(case_of(solution)).encode())
     limit = "rodimpact.storage.case_writing.MAX_CASE_BYTES"
@@ -465,6 +471,9 @@ def test_a_case_without_an_outcome_is_no_saved_solution(tmp_path):
 def test_a_solution_that_an_earlier_version_saved_as_arrays_names_the_remedy(
     tmp_path, schema
 ):
+    """Loading a solution in the old format of arrays is refused with the advice to
+    solve the system again and save it as a case file.
+    """
     path = tmp_path / "run.npz"
     document = {
         "format": "rodimpact",

@@ -114,6 +114,9 @@ def assert_same_vibration(member, outcome):
 
 
 def test_restitution_and_impulse_of_a_map_equal_the_closed_form():
+    """A map of 60 lengths and 50 areas is swept: all members are final, restitution and
+    impulse are those of Saint-Venant to 1e-11.
+    """
     family = small_map(n_lengths=60, n_areas=50)
     striker = family.bodies[0].segments[0]
     struck = family.bodies[1].segments[0]
@@ -350,6 +353,9 @@ def test_members_that_outgrow_the_log_have_the_same_bits(monkeypatch, is_compile
 
 @pytest.mark.skipif(not kernels.enabled(), reason="compiling is disabled")
 def test_blocks_may_run_in_plain_python_and_then_compiled(monkeypatch):
+    """Blocks of a sweep run in plain Python and compiled in turn: the bits are those of
+    a usual sweep, and the estimate of the remaining time falls.
+    """
     family = small_map(n_lengths=10, n_areas=10)
     plain = ri.sweep(family)
     seconds_ahead = []
@@ -561,6 +567,10 @@ def test_gauges_are_saved_and_loaded_bit_for_bit(tmp_path, result_with_gauge):
 
 
 def test_gauges_of_a_dataset_have_dimensions_places_and_units(result_with_gauge):
+    """The xarray dataset of a map with a gauge has the strain by length, area, gauge
+    and time, with its values, body and x of the gauge; every variable has a name and a
+    unit.
+    """
     pytest.importorskip("xarray")
     k = 30  # index of a time within the run
 
@@ -680,6 +690,9 @@ def test_every_executor_gives_the_same_bytes(small_chunks):
 
 @pytest.mark.exhaustive
 def test_a_dask_cluster_gives_the_same_bytes(small_chunks):
+    """A map that is swept by a local dask cluster of two workers has the bits of a
+    serial sweep.
+    """
     distributed = pytest.importorskip("distributed")
     family = small_map()
     serial = ri.sweep(family, executor=SerialExecutor())
@@ -714,6 +727,9 @@ def test_progress_counts_collisions(small_chunks):
 
 
 def test_axes_and_parameters_have_the_names_of_a_case_file():
+    """A sweep over lengths, gaps and areas of a segment has axes in this order, named
+    by their paths, with their values.
+    """
     lengths = np.linspace(0.1, 0.4, 4)[:, None, None]
     gaps = np.array([0.0, 1e-5, 2e-5])[:, None]
     areas = np.array([1e-4, 2e-4])
@@ -732,6 +748,9 @@ def test_axes_and_parameters_have_the_names_of_a_case_file():
 
 
 def test_csv_holds_every_digit(tmp_path):
+    """The CSV file of a map has its areas and restitutions bit for bit, parameters
+    first and the status last.
+    """
     result = ri.sweep(small_map(n_lengths=3, n_areas=2))
     path = tmp_path / "map.csv"
 
@@ -810,6 +829,9 @@ def test_a_missing_package_is_named(monkeypatch):
 def test_a_family_with_no_members_is_refused_before_a_checkpoint_is_made(
     tmp_path, selected, keep
 ):
+    """A family without members, by a mask or a slice, is refused with its shape, and no
+    folder is made for a checkpoint.
+    """
     family = small_map()
     if selected == "by a mask":
         nowhere = np.zeros(family.shape, dtype=bool)
@@ -930,6 +952,9 @@ def assert_readings_of_second_member_are_those_of_fields(result, until):
 
 
 def test_the_displacement_of_a_pile_counts_the_soil_along_its_shaft():
+    """The mean displacement of a pile in soil, from a sweep, is the integral over that
+    of its solution, and less than 0.9 of that without soil.
+    """
     soil = ri.Soil(resistance=4e5, quake=2.5e-3)
     length = 15.0
     speeds = np.array([1.0, 2.0])
@@ -968,6 +993,9 @@ def test_ground_that_yields_takes_the_yield_force_times_the_set():
 
 
 def test_readings_that_are_asked_for_are_in_tables_datasets_and_files(tmp_path):
+    """A sweep with further readings has them as columns in CSV, with units in the
+    dataset, and bit for bit in a loaded file.
+    """
     lengths = np.array([0.2, 0.4])
     path = tmp_path / "family.npz"
     units = {"dissipated": "J", "largest_stress.0": "Pa", "displacement.1": "m"}
@@ -1014,6 +1042,9 @@ def test_a_sweep_runs_where_no_thread_can_start(monkeypatch, small_chunks):
 
 
 def test_several_contacts_have_columns_of_their_own():
+    """A sweep of three rods has duration and peak force for each contact; those of the
+    first are those of two rods. Its `impulse` without a contact raises ValueError.
+    """
     velocities = [1.0, 2.0]
     striker = steel_rod(0.2, velocities)
     struck = steel_rod(0.2)

@@ -100,6 +100,9 @@ def known_keys(example):
 
 @pytest.mark.parametrize("title", TABLES)
 def test_the_page_lists_the_keys_that_the_reader_knows(title):
+    """The keys that the page on case files lists for a table are those that the reader
+    offers for an unknown key in the example of this table.
+    """
     keys = set(TABLES[title].keys) - {"law"}
     if title == "At the top":
         keys.add("result")  # written by `save`; the page has a section on it
@@ -157,6 +160,9 @@ def field_as_written(field):
 
 @pytest.mark.parametrize("title", KINDS)
 def test_units_signs_and_defaults_are_those_of_the_declared_numbers(title):
+    """The page on case files shows each number of a table with the unit, sign and
+    default of its declared field, except for pairs of which one suffices.
+    """
     fields = KINDS[title].fields
     if title == '[[bodies]] kind = "rod"':
         fields = ri.Segment.fields | fields
@@ -210,6 +216,9 @@ def test_help_tells_its_topics_and_the_manual(capsys):
 
 
 def test_help_on_units_tells_every_unit_that_can_be_read(capsys):
+    """`help units` has a row for each dimension, and each unit in it can be read as one
+    of this dimension; the first is the SI unit.
+    """
     assert main(["help", "units"]) == 0
 
     # A row holds the dimension, its SI unit, and other units with commas between them.
