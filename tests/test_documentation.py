@@ -64,6 +64,9 @@ def test_the_example_of_the_package():
 def test_the_programs_of_the_readme_print_what_it_says_and_write_pictures(
     tmp_path, monkeypatch
 ):
+    """The first program of the README prints the text below it; all further ones run in
+    an empty folder and write two pictures of more than 10 kB.
+    """
     program_and_output = re.search(
         r"```python\n(import rodimpact.*?)```\n\n```text\n(.*?)```", README, re.S
     )

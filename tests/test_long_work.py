@@ -106,6 +106,9 @@ def test_progress_must_be_true_false_or_a_function(work, wrong):
 
 
 def test_an_interrupted_sweep_does_not_wait_for_the_members_that_run(monkeypatch):
+    """A sweep is interrupted while a chunk waits: KeyboardInterrupt is raised before
+    the chunk has ended.
+    """
     begun = threading.Event()
     may_end = threading.Event()
     ended = threading.Event()

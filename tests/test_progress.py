@@ -240,6 +240,9 @@ def test_an_error_takes_the_bar_away(monkeypatch, error):
 
 
 def test_warnings_and_messages_stand_above_the_bar(monkeypatch):
+    """A warning and a message are written while a bar is shown: each has a line of its
+    own above it, and the bar is drawn once.
+    """
     terminal = watched(monkeypatch)
 
     def show(message, *_):

@@ -38,6 +38,9 @@ def test_a_typed_program_of_a_family_runs() -> None:
 
 
 def test_a_typed_program_of_a_solution_runs() -> None:
+    """A program with types, which mypy checks, solves a row and reads velocities, a
+    gauge and its signal; a few of their values are compared.
+    """
     steel = ri.materials.steel
     halves = ri.Steps([1.0, 0.5], at=[0.2])  # m/s
     rod = ri.Rod(0.4, area=1e-4, material=steel, velocity=halves)

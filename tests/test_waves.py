@@ -140,6 +140,9 @@ def frequencies(bar):
 def test_wave_numbers_and_phase_velocities_of_a_bar_are_those_of_the_first_mode(
     bar, frequencies
 ):
+    """k c is the angular frequency, and c that of the first mode; at frequency 0, k is
+    0 and c the bar speed. A single frequency gives a float.
+    """
     k = bar.wavenumber(frequencies)
     c = bar.phase_velocity(frequencies)
     radius_over_wavelength = k * bar.radius / (2 * math.pi)

@@ -303,6 +303,9 @@ def public_things():
 
 
 def test_every_public_function_explains_a_wrong_argument():
+    """Every public function and class that a user calls refuses an unknown argument by
+    its name, or says that it takes none.
+    """
     silent = []
     for name, call in public_things():
         if inspect.isclass(call) and not issubclass(call, Frozen):

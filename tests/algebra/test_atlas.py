@@ -85,6 +85,9 @@ def points_in(plane, count):
     ],
 )
 def test_points_lie_in_the_cell_whose_formula_is_right(name, count, request):
+    """2000 random points of an atlas lie in cells, and the restitution by the formulas
+    of these cells is that of a sweep for the first `count` points.
+    """
     plane = request.getfixturevalue(name)
     x, y = points_in(plane, 2000)
     # All points are located; the solver runs for the first `count` of them.
@@ -102,6 +105,9 @@ def test_points_lie_in_the_cell_whose_formula_is_right(name, count, request):
 
 
 def test_borders_are_found_where_floats_do_not_decide_the_sign():
+    """The border of equal areas of two rods is found from the lowest length on, without
+    a gap of more than 0.08 m between its points.
+    """
     first = unit_rod(0.4, velocity=1.0)
     second = unit_rod(1.0, 2.0)
     system = ri.System([first, second])
@@ -244,6 +250,9 @@ def test_a_figure_shows_the_borders(uniform_atlas):
 
 
 def test_the_largest_regions_come_first_and_print_the_formula_of_e(uniform_atlas):
+    """The two largest regions have falling shares; each prints a formula that gives, at
+    its place, the restitution of the atlas.
+    """
     pytest.importorskip("sympy")
 
     first, second = uniform_atlas.largest(2)
@@ -261,6 +270,9 @@ def test_the_largest_regions_come_first_and_print_the_formula_of_e(uniform_atlas
 
 
 def test_a_figure_numbers_regions_and_shows_the_formula_of_the_largest(uniform_atlas):
+    """The figure of an atlas has the numbers 1 to 3 of its regions and the beginning of
+    the formula of the largest.
+    """
     pytest.importorskip("sympy")
     (first,) = uniform_atlas.largest(1)
 

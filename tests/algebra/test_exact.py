@@ -78,6 +78,9 @@ def test_velocities_and_contact_times_agree_with_those_of_floats(seed):
 
 
 def test_a_gap_closes_at_a_fraction_of_a_second():
+    """Two rods with a gap: the only contact begins at the exact time of flight and ends
+    a round trip of the first rod later.
+    """
     first = rod(1.0, velocity=1.0, material=UNIT)
     second = rod(2.0, velocity=0.7, material=UNIT)
     system = ri.System([first, second], gaps=[0.1])
@@ -91,6 +94,9 @@ def test_a_gap_closes_at_a_fraction_of_a_second():
 
 
 def test_a_density_sets_the_wave_speed_if_the_impedance_is_given():
+    """Impedances and a density are given as fractions: the contact lasts from 0 to the
+    round trip of the striker at the wave speed 4 m/s.
+    """
     first = rod(0.4, velocity=1.0, material=UNIT)
     second = rod(1.0, material=UNIT)
     values = {

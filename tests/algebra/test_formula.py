@@ -56,6 +56,9 @@ def same(formula, expected):
 
 
 def test_the_formula_of_the_box_is_l1_over_l2_where_l1_is_below_l2():
+    """Two rods that differ in length: e = l1/l2 in the cell l1 < l2, with exact values;
+    `holds` is false at its border, and there are no other sides.
+    """
     form = ri.closed_form(BOX, ["length"])
 
     l1, l2 = names("l")
@@ -82,6 +85,9 @@ def test_the_contact_of_the_box_lasts_two_transits_of_the_striker():
 
 @pytest.mark.exhaustive
 def test_the_formula_for_a_longer_rod_of_higher_impedance_is_saint_venants():
+    """The struck rod is longer and has the higher impedance: restitution, impulse, cell
+    and duration, 2 T1, are those of Saint-Venant.
+    """
     form = ri.closed_form(row([2, 5], [1, 1.5]))
 
     T1, T2, Z1, Z2 = names("T", "Z")
@@ -142,6 +148,9 @@ def test_on_a_border_there_are_both_formulas():
 
 
 def test_a_formula_of_three_rods_prints_the_formula_that_it_meets():
+    """The text of the formula of three equal rods has its condition T1 < T3 and the
+    other formula, which holds for T3 < T1.
+    """
     three = row([1, 1, 1], [1, 1, 1])
 
     form = ri.closed_form(three, ["transit_time"])
@@ -198,6 +207,9 @@ def test_a_bond_has_an_average_impulse_which_has_a_formula():
 
 
 def test_gaps_and_velocities_may_be_symbols():
+    """With gap, velocities and lengths as symbols: e, the cell l1 < l2 and v2 < v1, and
+    the start of contact, g1/(v1 - v2).
+    """
     system = row([1, 2], [1, 3], gaps=[0.25])
 
     form = ri.closed_form(system, ["gap", "velocity", "length"])
@@ -212,6 +224,10 @@ def test_gaps_and_velocities_may_be_symbols():
 
 
 def test_moduli_and_densities_may_be_symbols():
+    """With moduli and densities as symbols, e is 2/5, the duration has the wave speed
+    in symbols, a negative modulus does not hold, and a rod without mass gives None for
+    the duration.
+    """
     system = row([2, 5], [1, 1], STEEL)
 
     form = ri.closed_form(system, ["youngs_modulus", "density"])
@@ -351,6 +367,9 @@ def check_formula_at_its_system(form, collision):
     ],
 )
 def test_random_rows_agree_with_runs_on_fractions(bodies, rows):
+    """The closed forms of random rows agree with exact runs at their own numbers, at
+    random numbers in their cell, and on both sides of a border, which enough rows have.
+    """
     rng = random.Random(rows)
     comparisons = 0
     borders = 0
@@ -446,6 +465,9 @@ def test_a_formula_that_would_be_too_long_is_refused_with_a_remedy(monkeypatch):
 
 
 def test_a_formula_says_if_its_conditions_are_too_long(monkeypatch):
+    """With a small limit on products, text and LaTeX of a formula say that its
+    conditions are too long to print; `holds` still works, and `cell` is refused.
+    """
     form = ri.closed_form(row([2, 5], [1, 2]), ["length", "area"])
     monkeypatch.setattr(rational_functions, "MAX_PRODUCT_TERMS", 1)
 
@@ -494,6 +516,9 @@ def test_a_printed_formula_of_a_stepped_rod_tells_its_symbols_apart():
 
 
 def test_the_steps_of_a_formula_are_counted_over_all_its_parts():
+    """`progress` is called with 1, 2, 3 and so on over the making of a formula and its
+    printing, and with None as the total.
+    """
     steps = []
     totals = set()
 

@@ -68,6 +68,9 @@ def assert_ends_well(process):
     [("--version", f"rodimpact {ri.__version__}\n"), ("--help", "usage: ")],
 )
 def test_version_and_help_need_no_numpy(option, words):
+    """The options for version and help, in a process of their own, print their words
+    and import neither numpy nor numba nor matplotlib.
+    """
     code = """
 import sys
 from rodimpact.cli import main
@@ -147,6 +150,10 @@ def test_a_wrong_call_ends_with_2_and_says_what_is_meant(argv, sentence, refuses
 
 
 def test_an_internal_fault_ends_with_1_and_shows_where(monkeypatch, capsys):
+    """A RuntimeError inside `verify`: status 1, and standard error has the error and
+    says that it is a fault of rodimpact.
+    """
+
     def broken():
         raise RuntimeError("boiler")
 
@@ -230,6 +237,9 @@ def test_a_full_disk_under_standard_output_ends_with_1():
 
 @pytest.mark.exhaustive
 def test_a_poor_encoding_of_the_output_is_no_fault(case):
+    """`run --json` with a material whose name is not ASCII, to an output in ASCII, ends
+    well, and the name is whole.
+    """
     name = "St\u00e4hl"
     rods = CASE.replace('"steel"', f'"{name}"')
     material = f"[materials.'{name}']\nyoungs_modulus = 2e11\ndensity = 7850\n"
@@ -414,6 +424,9 @@ def test_a_run_of_no_time_is_no_page_and_no_film(
 def test_waves_of_rigid_masses_are_refused_with_the_command_that_draws_them(
     case, refuses, output_of, argv
 ):
+    """A command that draws waves refuses a row of masses, writes nothing, and names a
+    `run` command; this one then draws.
+    """
     masses = [ri.RigidMass(1.0, velocity=1.0), ri.RigidMass(2.0)]
     system = ri.System(masses, contacts=[ri.Rigid(restitution=0.8)])
     Path("ball.toml").write_text(ri.format_case(system))
@@ -511,6 +524,9 @@ def test_the_interval_of_gauges_resolves_a_short_blow(case, refuses):
 def test_file_names_that_are_no_text_are_used_and_names_of_gauges_refused(
     case, refuses
 ):
+    """A case file with a byte as its name that is no text is run, saved, exported and
+    loaded; as the name of a gauge it is refused.
+    """
     name = os.fsdecode(b"\xff")
     case.rename(f"{name}.toml")
     gauges = ["--gauges", "g.csv", "--gauge", f"{name}=1:0.5"]
@@ -565,6 +581,9 @@ def test_run_prints_json_in_full_precision(case, output_of):
 )
 @pytest.mark.usefixtures("case")
 def test_without_plots_packages_that_are_not_needed_are_not_imported(command, unwanted):
+    """A command in a process of its own, without figures, ends well and imports none of
+    the unwanted packages.
+    """
     # sys.argv is "-c", the unwanted packages, and the command.
     code = """
 import sys
@@ -602,6 +621,9 @@ def test_options_overrule_the_case(case, output_of):
 def test_a_run_that_stops_early_ends_with_3_and_still_reports_and_saves(
     case, output_of
 ):
+    """`run` of an endless case with few events: status 3, a table with velocities at
+    the end and advice, and a saved solution.
+    """
     case.write_text(f"{ENDLESS}solve.max_events = 40\n")
     options = ["--max-events", "50", "--save", "a.toml"]
 
@@ -641,6 +663,9 @@ def test_an_existing_file_needs_force_and_is_left_alone(case, refuses):
 
 
 def test_a_saved_solution_is_a_case_with_its_gauges(case, output_of, capsys):
+    """A saved solution is read as a case with its gauges, run with the same table,
+    saved again as the same file, and swept, without a warning.
+    """
     case.write_text(CASE + "[[gauges]]\nbody = 1\nfraction = 0.5\n")
     outputs = ["--save", "again.toml", "--gauges", "a.csv"]
 
@@ -725,6 +750,9 @@ def test_all_mistakes_are_reported_at_once(case, refuses):
 
 @pytest.mark.exhaustive
 def test_a_run_that_no_picture_can_show_keeps_its_table(case, capsys):
+    """`run --plot` of a rod with too many pieces ends with status 2: it prints its
+    table, says why, and writes no picture.
+    """
     count = 11_000  # pieces of the velocity along the first rod, 0.4 m
     velocities = [i % 7 for i in range(count)]
     jumps = [0.4 * i / count for i in range(1, count)]
@@ -801,6 +829,9 @@ def test_verify_checks_each_method_and_names_the_validation_pages(output_of):
 def test_verify_ends_with_4_if_a_number_is_off(
     monkeypatch, output_of, computed, sentence, status
 ):
+    """`verify` with two checks, of which the second may be wrong: text, JSON and status
+    say whether it passed.
+    """
     result = [Check("a", 1.0, 1.0, 1e-9), Check("b", 1.0, computed, 1e-9)]
     monkeypatch.setattr("rodimpact.cli.verify.checks", lambda: result)
 
@@ -816,6 +847,9 @@ def test_verify_ends_with_4_if_a_number_is_off(
 
 @pytest.mark.parametrize("method", few_of(METHODS, {"characteristics"}))
 def test_a_wrong_solver_is_noticed(monkeypatch, method):
+    """The restitution of one method is made wrong by 2 %: exactly one of the checks of
+    `verify` does not pass.
+    """
     right = verify.solve
 
     def wrong(system, **options):
@@ -866,6 +900,9 @@ def test_materials_of_json_have_sources(output_of):
 
 
 def test_doctor_shows_versions_the_compiler_and_the_cache(output_of):
+    """`doctor` gives, as JSON, the versions, whether there is a compiler, and the
+    folder of the cache, if any; its text names this folder.
+    """
     data = json.loads(output_of("doctor", "--json"))
     text = output_of("doctor")
     assert data["versions"]["rodimpact"] == ri.__version__
@@ -921,6 +958,9 @@ def test_box_draws_the_law(tmp_path):
 
 @pytest.mark.exhaustive
 def test_box_draws_each_collision_and_the_law(tmp_path):
+    """`draw` writes all views of a collision, and the figure of the restitution, as
+    PNG, also over a file of an earlier run.
+    """
     rods = [ri.Rod(1.0, area=1e-4, material=ri.materials.steel) for _ in range(2)]
     solution = ri.solve(ri.System([rods[0].replace(velocity=1.0), rods[1]]))
     replay = Replay("Identical rods", ("left rod", "right rod"), solution)
@@ -967,6 +1007,9 @@ def test_box_tells_the_stages_of_identical_rods(box_text):
 
 
 def test_box_puts_theory_beside_its_results(box_text):
+    """`box` prints computed values with the closed forms beside them, for unequal rods
+    and for a wall, and the crossing of two fronts.
+    """
     lines = story(box_text, "Rods of different length, l1/l2 = 0.4")
     lines_of_wall = story(box_text, "A rod on a rigid wall")
 
@@ -1069,6 +1112,9 @@ def test_box_needs_a_directory(no_figures, case, refuses, capsys):
 def test_options_replace_what_they_exclude_in_the_case(
     tmp_path, monkeypatch, output_of
 ):
+    """`run --rtol` and `run --cells` of a case that gives cells: each replaces this
+    number, as the status says.
+    """
     monkeypatch.chdir(tmp_path)
     text = (CASES / "lossy-rods.toml").read_text()
     text = text.replace("cells = 100", "cells = 20")

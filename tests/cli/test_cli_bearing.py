@@ -82,6 +82,9 @@ def test_resistances_are_required_and_the_usage_says_so(refuses, output_of):
 
 @pytest.mark.usefixtures("pile")
 def test_a_run_of_a_pile_prints_set_and_largest_stresses(output_of):
+    """`run` of a pile prints the permanent set and the largest compression, with
+    position and time, of the same solution in Python, and no tension.
+    """
     text = output_of("run", "case.toml", "--until", "30 ms", "--cells", "20")
 
     run = ri.solve(ri.read_case("case.toml").system, 0.03, cells=20)

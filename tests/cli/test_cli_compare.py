@@ -118,6 +118,9 @@ def test_the_table_names_its_numbers(compared):
 
 
 def test_a_bridge_makes_strain_and_fixed_numbers_stay(channels):
+    """`compare` with a half bridge and a fixed shift and scale: the record is in
+    strain, shift and scale are those given, and the misfit is large.
+    """
     bridge = ["--bridge", "half", "--gauge-factor", "2", "--excitation", "5 V"]
     fixed = ["--shift", "33us", "--scale", "1"]
 

@@ -93,6 +93,9 @@ def test_json_and_the_table_are_those_of_the_function(text_of):
 
 
 def test_a_table_and_a_figure_are_written_and_not_overwritten(refuses):
+    """`reduce` writes a table and a figure; a second time each is refused with the
+    advice of --force.
+    """
     table = ["--csv", "shot.csv"]
     figure = ["--save", "shot.svg"]
 

@@ -181,6 +181,9 @@ def data(case, swept):
 
 
 def test_json_has_schema_method_shape_and_the_varied_numbers(data):
+    """`sweep --json` over lengths and velocities has the schema, the method, the shape
+    [5, 2], and path, unit and values of both.
+    """
     lengths, velocities = data["varied"]
     assert data["schema_version"] == 1
     assert data["method"] == "fronts"
@@ -195,6 +198,9 @@ def test_json_has_schema_method_shape_and_the_varied_numbers(data):
 
 
 def test_json_has_the_columns_of_the_sweep(case, data):
+    """`sweep --json` has the columns of the same sweep in Python; without a collision
+    the restitution is None.
+    """
     grids = {"bodies.0.length": "50 mm:1 m:5", "bodies.0.velocity": "-1,1"}
     result = ri.sweep(ri.read_case(case, grids).system)
 
@@ -210,6 +216,9 @@ def test_json_has_the_columns_of_the_sweep(case, data):
 
 @pytest.mark.parametrize("name", ["bodies.0.length", "restitution", "vibration"])
 def test_csv_has_the_same_columns_in_full_precision(data, swept, name):
+    """The CSV of a sweep has the columns of its JSON with the same numbers, and nothing
+    for None.
+    """
     columns = data["columns"]
 
     rows = list(csv.DictReader(io.StringIO(swept(*GRID, "--csv"))))
@@ -223,6 +232,9 @@ def test_csv_has_the_same_columns_in_full_precision(data, swept, name):
 
 
 def test_the_example_of_the_manual_runs(monkeypatch, tmp_path, case):
+    """The `sweep` command in the manual, with smaller grids, writes its file and its
+    figure.
+    """
     text = (ROOT / "docs" / "input.md").read_text(encoding="utf-8")
     example = text.partition("rodimpact sweep case.toml")[2].partition("```")[0]
     options = example.replace("\\\n", " ").replace(":200", ":3")
@@ -266,6 +278,9 @@ def test_a_figure_of_rows_without_e_is_refused_before_the_sweep(case, refused, m
 
 @pytest.mark.exhaustive
 def test_rows_of_several_contacts_are_drawn_by_another_quantity(case, refused):
+    """A sweep over a cradle is drawn by two of its columns; a velocity of a body that
+    is not there is refused with those that are.
+    """
     cradle = ROOT / "validation" / "cases" / "newtons-cradle.toml"
     case.write_text(cradle.read_text())
     argv = ["--vary", "bodies.0.velocity=1:2:3", "--plot"]
@@ -280,6 +295,9 @@ def test_rows_of_several_contacts_are_drawn_by_another_quantity(case, refused):
 
 
 def test_without_any_e_the_table_is_printed_and_the_figure_is_not(case, capsys):
+    """A sweep in which no rods collide: status 2, the table says so, the family is
+    saved, and one line says why there is no figure.
+    """
     status = sweep("--vary", "bodies.0.velocity=-1,-2", *PLOT, "--save", "a.npz")
 
     assert status == 2
@@ -450,6 +468,9 @@ def test_the_options_of_the_call_reach_the_sweep(recorded):
 
 
 def test_a_checkpoint_keeps_the_sweep(case, refused, swept):
+    """A sweep with a checkpoint prints the same a second time; another sweep with this
+    folder is refused in one line.
+    """
     checkpoint = ["--checkpoint", "kept"]
 
     first = swept("--vary", LENGTHS, *checkpoint)
@@ -464,6 +485,9 @@ def test_a_checkpoint_keeps_the_sweep(case, refused, swept):
 
 @pytest.mark.filterwarnings("default::rodimpact.DamagedChunks")
 def test_a_damaged_checkpoint_is_announced_in_a_line(case, capsys, swept):
+    """A file of a checkpoint loses a byte: the same sweep succeeds with the same
+    output, and one line names the file and says what is done.
+    """
     before = swept("--vary", LENGTHS, "--checkpoint", "kept")
     (path,) = Path("kept").iterdir()
     path.write_bytes(path.read_bytes()[:-1])
@@ -500,6 +524,9 @@ contacts = [{law = "yielding", stiffness = 1e8, yield_force = 1e3, hardening = 1
 def test_tied_numbers_follow_a_variable_which_is_the_axis_of_table_and_figure(
     case, swept
 ):
+    """Two lengths follow a variable L: the CSV has the second length as twice the
+    first, and table and figure name L.
+    """
     vary = ["--vary", "L=100mm:400mm:4"]
     vary += ["--vary", "bodies.0.length=L", "--vary", "bodies.1.length = 2*L"]
 
@@ -520,6 +547,9 @@ def test_a_file_after_a_flag_that_prints_is_answered_by_a_redirection(refused):
 
 @pytest.mark.exhaustive
 def test_a_figure_of_an_extra_quantity(case, swept, refused):
+    """`sweep --plot` of the permanent set needs `--also set`; without it, or for a
+    contact that is not there, it is refused.
+    """
     case.write_text(YIELDING)
     vary = ["--vary", "bodies.0.velocity=1,2", "--until", "0.2 ms"]
     figure = ["--plot", "set.svg", "--quantity"]

@@ -19,6 +19,9 @@ def test_the_formula_of_the_box_has_symbols_and_a_condition_and_is_printed_as_la
 
 
 def test_all_conditions_are_told_by_an_option_only(case, output_of):
+    """The formula of three rods is printed short, with a note on --conditions, or in
+    full, with a line for each condition.
+    """
     struck = with_area("2e-4").replace("0.4", "1.0")
     last = with_area("1e-4").replace("0.4", "0.7")
     striker = with_area("1e-4") + "velocity = 1.0\n"

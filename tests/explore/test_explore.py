@@ -113,6 +113,9 @@ ANIMATE = "; rodimpact animate CASE.toml -o FILE.gif makes a moving picture"
 def test_a_case_that_the_page_cannot_solve_is_refused_with_a_remedy(
     system, solve, path, words
 ):
+    """`explore` refuses a case with one mistake, at a path, which says what the page
+    cannot solve and recommends a film.
+    """
     with pytest.raises(ri.InvalidModel) as refused:
         ri.explore(ri.Case(system, solve))
     ((path_of_problem, message),) = refused.value.problems
@@ -257,6 +260,9 @@ def test_restitution_velocity_force_and_strain_are_those_of_the_solution():
 
 
 def test_sentences_of_the_page_have_no_advice_that_only_python_can_follow():
+    """A run that is cut short: the status of the solution recommends until=, no
+    sentence of the page does, and each ends with one full stop.
+    """
     options = {"until": 1e-4}
     solution, scene = shown(PAIR, **options)
     assert "until=" in solution.status
@@ -292,6 +298,9 @@ def test_only_two_uniform_rods_have_a_ratio_of_lengths():
 def test_errors_above_half_of_the_last_digit_stand_beside_their_numbers(
     tolerance, is_stated
 ):
+    """Restitution, impulse, peak force and velocity of a compliant collision on the
+    page have a "±" for a coarse tolerance, and none for a fine one.
+    """
     design = tables_of(with_gauges(ri.Case(COMPLIANT)))
 
     scene = scene_of(design["case"], design["gauges"], LIBRARY, tolerance)

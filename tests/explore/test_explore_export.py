@@ -71,6 +71,9 @@ def export(case, *arguments):
 def test_the_page_is_small_holds_its_case_and_makes_no_markup_of_names(
     case, tmp_path, capsys
 ):
+    """`export` of a case with "<b>" in its name writes a page of at most
+    `MAX_PAGE_BYTES` with the case as data and the name escaped.
+    """
     assert export(case) == 0
 
     text = (tmp_path / "page.html").read_text(encoding="utf-8")
@@ -98,6 +101,9 @@ def test_no_element_of_the_page_asks_for_an_address(page):
 
 
 def test_the_policy_of_the_page_allows_its_own_script_and_style_only(page):
+    """The content security policy of the page allows nothing by default, no
+    connections, and its one script and style by their SHA-256.
+    """
     (policy,) = [
         attributes["content"]
         for _, attributes in page.elements
@@ -206,6 +212,9 @@ def test_a_page_is_no_figure(case, tmp_path, capsys):
 
 
 def test_python_saves_a_page_and_a_family_under_their_own_endings_only(tmp_path):
+    """A page is refused as .pdf and a family as .csv; a page is saved as .HTM, and
+    nothing else is written.
+    """
     rod = ri.Rod([0.2, 0.4], area=1e-4, material=ri.materials.steel, velocity=1.0)
     family = ri.System([rod, ri.Wall()])
     page = ri.explore(family[0])

@@ -142,6 +142,9 @@ def test_the_outcome_on_the_page_is_that_of_the_solution(solved_twice):
 
 
 def test_polygons_on_the_page_are_the_regions_of_the_solution(solved_twice, motion):
+    """The polygons of the page at a time have bodies, corners and fields of the regions
+    of the solution, bit for bit.
+    """
     solution = solved_twice.solution
     polygons = tiling_of(motion)
     stop = motion["now"] * solution.fields.clock.tick
@@ -338,6 +341,9 @@ BODY = {"kind": "rod", "length": 0.4, "area": 1e-4, "material": "steel"}
 def test_the_page_solves_by_fronts_the_cases_that_fronts_can_carry_and_no_others(
     change,
 ):
+    """For a changed pair, `lacking` names nothing exactly if Python would choose the
+    method of fronts.
+    """
     case = changed_pair(change)
     model = case_from(case)
     until = model.solve.get("until")

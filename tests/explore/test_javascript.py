@@ -190,6 +190,7 @@ def test_javascript_computes_what_python_computes(function, arguments):
 def test_a_number_that_javascript_cannot_hold_is_an_error_as_it_runs(
     function, arguments
 ):
+    """A function translated to JavaScript throws RangeError for these arguments."""
     script = f"""{read("python.js")}\n{javascript([function])}
     const answer = (texts) => {{
       try {{ return {function.__name__}(...texts.map(Number)); }}

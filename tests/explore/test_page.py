@@ -269,6 +269,9 @@ def test_curves_of_the_collision_before_are_not_solved_for_the_next(visit):
 
 
 def test_a_material_of_the_list_or_of_ones_own_can_be_chosen(visit):
+    """Rod 2 gets aluminium from the list, then an own material with another modulus: e
+    on the page is that of `collide` each time.
+    """
     page = visit()
     left = PRESETS["unequal"].system.bodies[0]
 
@@ -412,6 +415,7 @@ def turn_the_wheel_on_the_diagram(page):
 
 
 def test_buttons_zoom_in_and_show_all(visit):
+    """One button changes the picture; the other gives back the first one."""
     page = visit()
     page.mouse.move(0, 0)
     whole = picture(page)
@@ -449,6 +453,7 @@ def test_keys_zoom_move_and_show_all_and_read_values(visit):
 
 @pytest.mark.exhaustive
 def test_the_wheel_scrolls_the_page_and_zooms_with_control(visit):
+    """The wheel leaves the picture as it is, and changes it while Control is pressed."""
     page = visit()
     page.mouse.move(0, 0)
     whole = picture(page)
@@ -483,6 +488,7 @@ def test_a_case_can_be_saved_with_its_gauges(visit, tmp_path):
 
 
 def test_a_picture_can_be_saved_as_svg_that_a_browser_shows(visit, tmp_path):
+    """The downloaded picture is an SVG file, which a browser decodes in another page."""
     page = visit()
 
     open_menu(page)
@@ -520,6 +526,9 @@ def test_no_control_lies_outside_the_width_of_the_screen(visit, width):
 
 @pytest.mark.parametrize("width", few_of([961, 1121, 1300, 1366, 1440], [961]))
 def test_the_buttons_of_the_picture_end_with_it_whatever_its_colours_show(visit, width):
+    """In a window of this width, with colours of velocity or stress, the last button
+    ends within the picture.
+    """
     page = visit(viewport={"width": width, "height": 900})
     for quantity in ("velocity", "stress"):
         page.check(f"input[value={quantity}]")
@@ -572,6 +581,7 @@ def test_forces_on_their_axis_beside_the_picture_do_not_overprint(visit, solved)
 
 
 def test_every_control_has_a_name(visit):
+    """Each control of the page has a label, text or name for screen readers."""
     page = visit()
     unnamed = page.evaluate(f"""() => [...document.querySelectorAll("{CONTROLS}")]
         .filter((element) => !(element.labels && element.labels.length)
@@ -583,6 +593,9 @@ def test_every_control_has_a_name(visit):
 
 
 def test_the_tab_key_reaches_the_controls(visit):
+    """Forty presses of the Tab key, with the menu opened on the way, reach preset,
+    theme, quantity, diagram, play, time and length.
+    """
     page = visit()
     focused = set()
     for _ in range(40):
@@ -722,6 +735,9 @@ def guess(page, number):
 
 
 def test_a_guess_is_judged_and_the_replay_begins(visit):
+    """After a guess of 0.7, the page says that it is off by 0.3, gives the reason,
+    shows e, and plays the film from its beginning.
+    """
     page = visit()
     guess(page, "0.7")
     verdict = page.locator("#verdict")
@@ -966,6 +982,9 @@ def test_two_collisions_are_shown_at_the_same_time_in_the_same_colours(visit):
 
 
 def test_a_kept_collision_stands_beside_the_other_until_it_is_dropped(visit):
+    """A collision is kept and another one chosen: their diagrams are side by side; a
+    second press of the button hides the kept one.
+    """
     page = visit()
 
     page.click("#compare")
@@ -1203,6 +1222,9 @@ def test_a_slider_rounds_the_ends_and_drafts_of_e_state_their_error(visit):
 
 @pytest.mark.exhaustive
 def test_a_map_of_compliant_contacts_is_made_of_solutions(visit, solved):
+    """A map over length and stiffness of a Hertz contact is solved on the page: one of
+    its values is e of `solve` to 1e-6.
+    """
     page = visit(solved(HERTZ))
     page.click("#map summary")
     page.select_option("#map-y", label="stiffness of contact 1-2")
@@ -1275,6 +1297,9 @@ def colours_of_curves(lines):
 
 @pytest.mark.exhaustive
 def test_the_legend_names_the_values_that_occur(visit):
+    """The legend of the colours has the smallest and largest velocity, or stress in
+    compression and tension, that occur, also after the velocities change.
+    """
     page = visit()
     legend = sync_api.expect(page.locator(".bar .legend"))
     legend.to_have_text("0 m/s+1 m/s")  # no rod moves to the left
@@ -1290,6 +1315,9 @@ def test_the_legend_names_the_values_that_occur(visit):
 
 @pytest.mark.exhaustive
 def test_no_line_ends_before_a_unit_a_value_or_the_number_of_a_body(visit):
+    """For three presets, the sentences have no breaking space between a number and its
+    unit, before " = ", or between "rod" and its number.
+    """
     page = visit()
     for key in ("unequal", "chain", "wall"):
         page.select_option("#preset", key)
@@ -1303,6 +1331,9 @@ def test_no_line_ends_before_a_unit_a_value_or_the_number_of_a_body(visit):
 
 @pytest.mark.exhaustive
 def test_a_quantity_that_is_rounded_up_has_the_next_prefix(visit):
+    """`quantity` on the page formats four values with a unit and a number of digits:
+    999.97 m/s, for example, is 1 km/s.
+    """
     page = visit()
     for value, digits, text in (
         (0.96, 1, "1 m/s"),
@@ -1388,6 +1419,9 @@ def hidden_parts(page, selectors):
     [pytest.param(1440, 900, marks=pytest.mark.exhaustive), (1024, 768)],
 )
 def test_inputs_e_and_reason_are_on_the_first_screen(visit, width, height):
+    """In a window of this size, each of `LESSONS` shows its inputs, e or velocities,
+    and the reason, without scrolling.
+    """
     page = visit(viewport={"width": width, "height": height})
     for name, system in LESSONS.items():
         show_case(page, ri.Case(system))
@@ -1404,6 +1438,9 @@ def test_inputs_e_and_reason_are_on_the_first_screen(visit, width, height):
     [pytest.param(1440, 900, marks=pytest.mark.exhaustive), (1024, 768)],
 )
 def test_the_law_of_a_contact_stands_beside_its_name(visit, width, height):
+    """In a window of this size, the law of each of two contacts is to the right of its
+    name, on the same line.
+    """
     page = visit(viewport={"width": width, "height": height})
     show_case(page, ri.Case(LESSONS["rod, rod and wall"]))
     lines = page.locator(".contact").evaluate_all("""all => all.map((block) => {
@@ -1422,6 +1459,9 @@ def test_the_law_of_a_contact_stands_beside_its_name(visit, width, height):
     [pytest.param(1440, 900, marks=pytest.mark.exhaustive), (1024, 768)],
 )
 def test_other_colours_leave_the_pictures_where_they_are(visit, width, height):
+    """Colours of stress in place of velocity: the rods stay at their place, and the
+    buttons stay within the bar.
+    """
     page = visit(viewport={"width": width, "height": height})
     show_case(page, ri.Case(LESSONS["rod, rod and wall"]))
     before = page.locator("#rods").bounding_box()
@@ -1438,6 +1478,7 @@ def test_other_colours_leave_the_pictures_where_they_are(visit, width, height):
 
 @pytest.mark.exhaustive
 def test_the_sentence_keeps_its_height_in_a_tour(visit):
+    """At each step of the tour, the sentence is as high as before it."""
     page = visit(viewport={"width": 1440, "height": 900})
     sentence = page.locator("#sentence")
     before = sentence.bounding_box()["height"]
@@ -1455,6 +1496,9 @@ def test_the_sentence_keeps_its_height_in_a_tour(visit):
 def test_a_phone_shows_inputs_and_e_at_once_and_the_reason_below_them(
     visit, solved, name
 ):
+    """On a screen of 390 x 844, inputs, e and the play button are visible at once, and
+    the reason begins less than 60 pixels below the last input.
+    """
     page = visit(solved(LESSONS[name]), viewport={"width": 390, "height": 844})
     inputs = [f"[id='{path}']" for path in INPUTS]
     assert hidden_parts(page, [*inputs, "#restitution", "#play"]) == []
@@ -1793,6 +1837,9 @@ def test_a_lesson_on_paper_has_question_set_up_pictures_and_reason(visit):
 
 @pytest.mark.exhaustive
 def test_a_lesson_on_paper_before_a_guess_has_lines_to_write_on_and_no_answer(visit):
+    """A question printed before the guess shows more than 8 lines, question, rods and
+    diagram, and neither reason, facts, plots, e nor buttons.
+    """
     page = visit(viewport={"width": 1280, "height": 800})
 
     ask_question(page)

@@ -97,6 +97,7 @@ ROWS = {
 
 @pytest.mark.parametrize("name", ROWS)
 def test_the_reason_names_what_happens_at_the_contacts(name):
+    """The reason of one of `ROWS` on the page has all parts that are listed for it."""
     row = ROWS[name]
     system = ri.System(row.bodies, contacts=row.contacts)
     options = {}

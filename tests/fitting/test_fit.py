@@ -381,6 +381,10 @@ def test_a_fit_with_more_numbers_fits_no_worse(with_additions):
 def test_the_last_column_of_a_table_tells_which_additions_earn_their_place(
     with_additions,
 ):
+    """The table of additions of a fit has a line "none" and one for each addition,
+    which ends with "yes" exactly if this one earns its place; the printed fit has this
+    table.
+    """
     fit = with_additions.fit
     _, without_addition, *lines = fit.table_of_additions.splitlines()
     assert without_addition.startswith("none")
@@ -1047,6 +1051,9 @@ VOLTS = ri.Measured(IN_VOLTS, GAUGE)
     ],
 )
 def test_mistakes_are_named(change, sentence):
+    """One argument of `fit` is replaced by a wrong one: InvalidModel has a fitting
+    sentence.
+    """
     arguments = {
         "system": rods(),
         "measured": STRAINS,

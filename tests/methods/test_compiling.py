@@ -149,6 +149,9 @@ def test_a_change_of_any_file_of_a_kernel_changes_its_digest(
 
 @pytest.mark.parametrize("record", [NODE, PIECE], ids=["plain", "with arrays"])
 def test_records_become_objects_and_objects_records(record):
+    """Three random records become objects and records again: all fields are equal. No
+    objects become no records.
+    """
     # Bytes below 64 make no float that is nan, which would not equal itself.
     size = 3 * record.itemsize
     filled = default_rng(1).integers(0, 64, size, np.uint8)
@@ -294,6 +297,9 @@ def test_files_half_written_are_told_of_and_made_anew(cache, kind, share):
 
 
 def test_what_calls_functions_of_the_user_is_kept_nowhere(cache):
+    """A compiled kernel with a function of the user is found in no cache and leaves no
+    file there.
+    """
     from numba import njit
 
     force = njit(lambda overlap, rate: overlap)

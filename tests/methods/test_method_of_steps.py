@@ -127,6 +127,9 @@ def test_two_runs_that_miss_a_peak_alike_do_not_hide_its_error(seed, rtol):
 
 @pytest.mark.exhaustive
 def test_half_of_the_stated_errors_of_velocities_are_below_100_times_the_true_ones():
+    """Four random rows of each kind: the median of stated over true error, against the
+    method of steps, is below 100.
+    """
     ratios = []
     for kind in KINDS:
         for seed in range(4):

@@ -93,6 +93,9 @@ def swept():
 
 @needs_compiler
 def test_members_are_the_same_in_threads_and_in_any_chunks(monkeypatch, swept):
+    """A family swept in threads, or in small chunks with a short log, has the totals of
+    the usual sweep.
+    """
     with ThreadPoolExecutor(2) as executor:
         in_threads = ri.sweep(family(), executor=executor)
 
@@ -123,6 +126,9 @@ def test_members_are_single_solves(swept, index):
 
 @needs_compiler
 def test_plain_python_runs_the_same_bits_as_machine_code():
+    """Two random rows, one of them driven, have the same numbers in plain Python and
+    compiled, also the sign of 0.
+    """
     for seed in range(2):
         driven = seed % 2 == 1
         system = random_network(seed, bodies=4, driven=driven)

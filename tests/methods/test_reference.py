@@ -59,6 +59,9 @@ class Segment:
     """
 
     def __init__(self, segment):
+        """Wave speed, transit time and impedance of a segment in fractions, with empty
+        signals of both waves. The wave speed must be exact.
+        """
         density = Fraction(segment.material.density)
         c = Fraction(segment.wave_speed)
         assert c * c * density == segment.material.youngs_modulus  # no rounding

@@ -139,6 +139,9 @@ def integrated(function, start, stop, breaks):
 
 @pytest.mark.parametrize("seed", range(3))
 def test_values_of_polynomials_are_those_of_numpy(seed):
+    """A random signal has the values of the numpy polynomials of which it is made, also
+    before its start and after its end.
+    """
     signal, polynomials = random_pieces(seed)
     rng = default_rng(seed)
     low = signal.ticks[0] - 1000  # before the first piece
@@ -151,6 +154,9 @@ def test_values_of_polynomials_are_those_of_numpy(seed):
 
 @pytest.mark.parametrize("seed", range(3))
 def test_polynomials_have_two_sides_at_breaks(seed):
+    """The values of a random signal at its breaks are those of the later polynomial,
+    and with "left" those of the earlier one; the two differ.
+    """
     signal, polynomials = random_pieces(seed)
     at_begins = [p(p.domain[0]) for p in polynomials]
     at_ends = [p(p.domain[1]) for p in polynomials]
@@ -233,6 +239,9 @@ def test_difference_product_delay_sum_and_multiple_have_their_values(size):
 
 @pytest.mark.parametrize("size", [1, 2, 9])
 def test_a_part_of_a_signal_has_its_values(size):
+    """The part of a signal between two breaks has fewer pieces and, at random ticks,
+    the same values bit for bit.
+    """
     signal, _ = random_pieces(1, size=size)
     start = int(signal.ticks[1])
     stop = int(signal.ticks[3])

@@ -248,6 +248,9 @@ def test_the_force_between_a_sphere_and_a_flat_is_that_of_its_contact_circle():
 
 
 def test_a_rigid_face_makes_a_contact_of_like_faces_twice_as_stiff():
+    """A Hertz contact of two steel faces gets twice its stiffness if either of them is
+    rigid (None).
+    """
     both_elastic = ri.Hertz.from_radii(0.01, INF, STEEL, STEEL)
     left_elastic = ri.Hertz.from_radii(0.01, INF, STEEL, right_material=None)
     right_elastic = ri.Hertz.from_radii(
@@ -307,6 +310,9 @@ def mean_spring_force(x0, x1):
 def test_the_mean_force_of_a_power_is_accurate_where_indentations_are_near(
     exponent, expected
 ):
+    """Mean force of a power law between two overlaps, and its slope, are the exact ones
+    for ratios from 1 + 1e-14 to 101, in both directions, and for equal overlaps.
+    """
     rng = np.random.default_rng(1)
     for power in range(-14, 3):
         factor = 1 + 10.0**power  # almost 1 at first, 101 at last
@@ -334,6 +340,9 @@ def random_overlaps(rng):
 
 @pytest.mark.parametrize("exponent", [1.01, 1.5, 2.0, 2.7, 6.0])
 def test_mean_force_times_change_is_the_work_of_a_power_also_across_a_gap(exponent):
+    """Between random overlaps, also negative ones, the mean force times the change is
+    the difference of the energy.
+    """
     rng = np.random.default_rng(2)
     link = power_link(stiffness=5.0, exponent=exponent)
 
@@ -397,6 +406,9 @@ def random_table(rng):
 
 
 def test_the_force_of_a_step_is_the_mean_force_of_any_yielding_table():
+    """The link of each of 200 random yielding tables is solved over a step: its new
+    overlap follows from the force, and this is the mean force between both overlaps.
+    """
     for seed in range(200):
         link, closing = random_table(np.random.default_rng(seed))
         x0 = -link.gap
@@ -456,6 +468,9 @@ def yielding_family(request):
 
 
 def test_members_of_a_yielding_family_are_those_alone_and_yield(yielding_family):
+    """Restitution and peak force of a swept family of yielding contacts are those of
+    its members solved alone; both members yield and have a set.
+    """
     swept = ri.sweep(yielding_family, also=["set"])
     for i in range(2):
         outcome = ri.solve(yielding_family[i]).outcome
@@ -476,6 +491,9 @@ def test_a_case_file_keeps_what_yields(yielding_family):
 
 
 def test_points_of_a_table_may_have_units_in_a_case_file():
+    """Overlaps of a tabulated law with units in a case file are read as the same law; a
+    force in mm is refused.
+    """
     law = ri.Tabulated([1e-5, 1e-4], [1e3, 2e3])
     masses = [ri.RigidMass(1.0, velocity=1.0), ri.RigidMass(2.0)]
     system = ri.System(masses, contacts=[law])

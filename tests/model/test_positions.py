@@ -57,6 +57,9 @@ def test_straight_lines_make_a_velocity_in_steps():
 
 @pytest.mark.parametrize("origin", [0.0, -3.0])
 def test_the_velocity_does_not_depend_on_the_origin_of_positions(origin):
+    """Positions there and back, from any origin, give an end the velocities 2, -2 and 0
+    m/s; equal positions, or a single one, give 0.
+    """
     there_and_back = ri.Samples([origin, origin + 1.0, origin], step=0.5)
     at_rest = ri.Samples([origin, origin], step=1.0)
 
@@ -83,6 +86,9 @@ def test_an_end_is_where_it_should_be_to_round_off(method):
 
 
 def test_a_function_is_followed_to_round_off_and_its_velocity_to_its_stated_error():
+    """An end that is moved by a function has this displacement to 1e-11, and its
+    velocity to the stated error, until the drive ends.
+    """
     t = np.linspace(0.0, UNTIL, 41)
 
     solution = run_of(swinging_end())
@@ -110,6 +116,7 @@ def test_a_wave_runs_ahead_of_a_moved_end():
 
 
 def test_an_end_stops_after_its_last_sample():
+    """An end with sampled positions stays at the last one afterwards, at rest."""
     t = np.linspace(0.0, 1.0, 11)
     positions = 0.1 * np.sin(t)  # it stops with a jolt
     samples = ri.Samples(positions, step=0.1, smooth=True)
@@ -166,6 +173,9 @@ def test_a_prescribed_position_survives_the_description_of_its_system():
 
 
 def test_members_of_a_family_of_speeds_are_those_alone():
+    """Two steps of the sampled positions of an end make a family, whose swept
+    velocities are those of its members solved alone.
+    """
     samples = ri.Samples([0.0, 0.1], step=[0.5, 1.0])
     end = ri.Moved(position=samples)
     system = ri.System([ROD], ends=(end, ri.Free()))

@@ -51,6 +51,9 @@ def test_a_number_is_a_profile():
 
 
 def test_values_of_samples_make_no_family_and_are_shared_by_members():
+    """A rod with sampled velocity and five strains is a family of five over the strain;
+    members share the samples, and the family survives `to_dict`.
+    """
     velocity = ri.Samples([0.0, 1.0, 2.0])
     strains = np.zeros(5)  # of five members
     rods = rod(velocity=velocity, strain=strains)

@@ -331,6 +331,9 @@ QUANTITIES = [Quantity, OtherQuantity, pint_quantity, astropy_quantity]
 
 @pytest.mark.parametrize("quantity", few_of(QUANTITIES, [OtherQuantity, pint_quantity]))
 def test_every_field_converts_by_the_unit_of_the_quantity(quantity):
+    """Each of the fields `ALL` given as a quantity has the value of the converted
+    number, without axes.
+    """
     converted = {}
     expected = {}
     for name, (make, unit) in ALL.items():
@@ -361,6 +364,9 @@ def subclasses(kind):
 
 
 def test_every_class_that_declares_numbers_is_tried():
+    """The public classes of the package that declare numbers are exactly those of the
+    examples in this file.
+    """
     declaring = set()
     for kind in subclasses(Frozen):
         is_public = not kind.__name__.startswith("_")
@@ -568,6 +574,9 @@ def test_a_number_too_large_for_a_float_is_infinite_and_refused():
 
 @pytest.mark.exhaustive
 def test_no_library_of_units_or_labels_is_imported():
+    """A process that imports rodimpact and makes a rod has imported none of pint,
+    astropy, unyt, xarray and pandas.
+    """
     script = """
 import sys
 import rodimpact as ri

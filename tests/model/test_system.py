@@ -490,6 +490,9 @@ def test_between_rigid_bodies_a_law_decides(pair, law):
 
 
 def test_wave_speed_transit_time_impedance_and_mass_of_a_segment():
+    """For a segment with E = 16 and a density of 4, the four are those of their
+    formulas.
+    """
     density = 4.0
     length = 0.5
     area = 2e-4
@@ -629,6 +632,9 @@ def test_objects_are_frozen():
 
 
 def test_objects_compare_by_value():
+    """Two equal rods are equal, with the same hash, and one in a set; a moving rod, or
+    a text, is not equal to them.
+    """
     first = rod()
     second = rod()
     moving = rod(velocity=1.0)
@@ -762,6 +768,9 @@ def test_no_film_runs_backwards_where_a_contact_yields():
 
 
 def test_a_film_runs_backwards_where_dampings_are_0():
+    """A row whose dampings are 0 is reversed: it has the same contacts and the opposite
+    velocities.
+    """
     laws = [
         ri.SpringDashpot(stiffness=1.0, damping=0.0),
         ri.HuntCrossley(stiffness=1.0, damping=0.0),
@@ -897,6 +906,9 @@ CUTS = st.lists(st.floats(0.001, 0.999), max_size=6, unique=True)
 
 @given(AREAS, LENGTHS, CUTS)
 def test_areas_between_places_hold_the_volume(areas, length, cuts):
+    """Mean areas of a random taper between edges hold the mass of the segment, and lie
+    between its smallest and largest area.
+    """
     segment = ri.Segment(length, ri.Samples(areas), steel)
     edges = np.array([0.0, *sorted(cuts), 1.0]) * length
 
@@ -1039,6 +1051,9 @@ def test_polar_moments_of_a_round_taper_are_those_of_discs():
 
 @pytest.mark.parametrize("word", ["rayleigh-love", "mindlin-herrmann"])
 def test_a_word_and_a_diameter_are_enough_for_lateral_inertia(word):
+    """A rod with a diameter and a word for lateral inertia has the polar moment of a
+    round section, and is not ideal.
+    """
     radius = 0.01
     area = math.pi * radius**2
     thick = rod(area=None, diameter=2 * radius, lateral_inertia=word)
@@ -1198,6 +1213,9 @@ def test_replace_checks_values():
 
 @pytest.mark.parametrize("kind", [ri.Rod, ri.Segment])
 def test_a_diameter_is_that_of_a_round_section(kind):
+    """Two diameters give the masses of the round areas; the description has the
+    diameters and no area.
+    """
     diameter = np.array([0.01, 0.02])
     area = math.pi * diameter * diameter / 4
     by_diameter = kind(0.4, material=steel, diameter=diameter)

@@ -35,6 +35,9 @@ HELMET = ri.RigidMass(5e3 / 9.81)
 @pytest.mark.parametrize("law", few_of(["smith", "viscous"], ["smith"]))
 @pytest.mark.parametrize("part", few_of([SECOND_AND_LAST, ALL_FIVE], [SECOND_AND_LAST]))
 def test_blow_counts_are_published_ones_and_stated_errors_are_small(law, part):
+    """Blow counts of a pipe pile are the published ones to 2.5 %; stated errors of set
+    and compression are below 0.1 % and 0.5 %.
+    """
     system = pipe_pile(law, HELMET)
     resistances = RESISTANCES[part]
 
@@ -77,6 +80,9 @@ def lumped_pipe_pile(law, resistance):
 @pytest.mark.parametrize("law", few_of(["smith", "viscous"], ["smith"]))
 @pytest.mark.parametrize("resistance", few_of(RESISTANCES[::2], [800e3]))
 def test_set_and_compression_are_those_of_a_chain_of_lumped_masses(law, resistance):
+    """Set and largest compressive force of a pile with this soil are those of a chain
+    of 300 lumped masses, to 0.1 % and 1 %.
+    """
     chain = lumped_pipe_pile(law, resistance)
     duration = 0.05 * 800e3 / resistance  # s; a weak soil stops the pile later
     system = pipe_pile(law)
@@ -163,6 +169,9 @@ def test_without_a_share_of_the_shaft_the_pile_has_no_soil_along_it():
 @pytest.mark.exhaustive
 @needs_compiler
 def test_the_order_of_the_resistances_and_the_workers_do_not_matter():
+    """A graph keeps the order of its resistances, and a point solved by two workers is
+    that solved alone.
+    """
     system = pipe_pile("smith")
 
     both = ri.bearing_graph(system, [600e3, 300e3], cells=12, workers=2)
@@ -207,6 +216,9 @@ def test_a_resistance_that_does_not_bear_the_weight_is_refused():
 
 
 def test_soil_that_stops_the_pile_far_below_its_length_is_refused(monkeypatch):
+    """A resistance that would stop the ram only below the length of the pile is refused
+    before a run, with its energy and a remedy.
+    """
     monkeypatch.setattr(bearing, "_blow", lambda *_: pytest.fail("solved"))
     energy = RAM.mass * RAM.velocity**2 / 2  # J
     weak = 0.99 * energy / LENGTH  # N

@@ -295,6 +295,9 @@ def test_a_pile_is_at_rest_between_blows(gravity):
 
 
 def test_a_blow_that_is_cut_short_says_so_and_has_no_next_one():
+    """Three blows of 5 ms are asked for: there is one, not over, with no next system, a
+    displacement of nan, and advice.
+    """
     series = ri.blows(ONE_ROD_PILE, 3, cells=20, until=5e-3)
 
     assert len(series) == 1
@@ -307,6 +310,9 @@ def test_a_blow_that_is_cut_short_says_so_and_has_no_next_one():
 
 
 def test_a_blow_prints_as_a_sentence():
+    """A blow prints set, compression, status and, without tension, "no tension"; its
+    repr is short.
+    """
     (blow,) = ri.blows(ONE_ROD_PILE, 1, cells=20, until=5e-3)
     no_tension = blow.tension._replace(stress=0.0)
     without_tension = blow._replace(tension=no_tension)
@@ -321,6 +327,9 @@ def test_a_blow_prints_as_a_sentence():
 
 
 def test_nothing_holds_a_bare_pile_without_weight_for_a_second_blow():
+    """Two blows are asked for on a pile without soil and weight: there is only one,
+    over, whose status says why; its blow count is 1/set.
+    """
     bare_pile = PILE.replace(shaft=None)
     bodies = [RAM, bare_pile, ri.Wall()]
     bare = ri.System(bodies, contacts=[CUSHION, TOE])

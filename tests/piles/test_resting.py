@@ -187,6 +187,9 @@ def test_a_row_that_cannot_rest_is_refused(system, message):
 
 
 def test_the_profile_of_the_soil_tells_resistance_displacement_and_what_yielded():
+    """A pile is driven through soil: the profile sums to the resistance, has the
+    displacements of the run, and its elastic part is the mobilised share of the quake.
+    """
     pile = PILE.replace(velocity=2.0)
     run = ri.solve(ri.System([pile]), until=UNTIL, cells=50)
 

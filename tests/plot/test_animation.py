@@ -249,6 +249,9 @@ def test_a_film_begins_with_the_approach_in_frames_at_equal_steps(
 
 
 def test_rods_are_apart_in_the_approach(film_with_approach):
+    """In the first frame, before contact, the colour of the velocity is inside the
+    moving rod, and white in the gap between the rods.
+    """
     frame = film_with_approach.frame(0).astype(float)
 
     row = row_of(film_with_approach)
@@ -264,6 +267,9 @@ def test_rods_are_apart_in_the_approach(film_with_approach):
 
 @pytest.mark.exhaustive
 def test_a_rod_that_comes_from_the_right_is_inside_before_it_touches():
+    """A striker comes from the right, magnified 2000 times: the limits of the film hold
+    its first position.
+    """
     target = ri.Rod(0.4, area=1e-4, material=ri.materials.steel)
     striker = ri.Rod(0.4, area=1e-4, material=ri.materials.steel, velocity=-1.0)
     solution = ri.solve(ri.System([target, striker]))
@@ -358,6 +364,9 @@ LENGTHS = list(itertools.product([2, 3, 5, 20, 61], [1.0, 300.0, None]))
 def test_a_film_has_as_many_frames_as_asked_for_few_of_them_before_contact(
     solved, case
 ):
+    """A film has the number of frames asked for, at most a fifth of them before
+    contact, and one at time 0.
+    """
     frames, magnification = case
 
     film = plot.animation(solved["unequal"], frames=frames, magnification=magnification)

@@ -73,6 +73,9 @@ def row(solution):
 
 @pytest.mark.exhaustive
 def test_the_page_magnifies_as_figures_do_in_the_same_frame(layout, row):
+    """The row on the page has magnification, frame and width of masses of the layout,
+    and its note names the scale, and the frame if it moves.
+    """
     assert row["magnification"] == layout.magnification
     assert row["frame"] == layout.frame
     assert layout.mass_width in (0, row["mass_width"])

@@ -29,6 +29,9 @@ from rodimpact.storage.casefile import Case, format_case, parse_case
 
 
 def test_a_case_of_every_table_means_what_it_says():
+    """A case file with every kind of table and many units is read: system, options,
+    output and name are those that are written out in Python.
+    """
     case = parse_case(
         """
         schema = 1
@@ -104,6 +107,10 @@ def test_a_case_of_every_table_means_what_it_says():
 
 
 def test_masses_gravity_laws_ends_and_a_time_step_are_read_and_written_as_they_are():
+    """A case file with masses, gravity, five laws, drives at both ends and a time step
+    is read as the system written out in Python, and is the same after writing and
+    reading.
+    """
     case = parse_case("""
         schema = 1
         gravity = "-9.81 m/s^2"
@@ -221,6 +228,9 @@ def test_an_end_that_is_moved_by_its_position_has_a_velocity_and_may_vary():
 
 
 def test_a_material_has_a_wave_speed_in_place_of_a_modulus_and_either_may_vary():
+    """A material that is given by its wave speed is read, and is the same after writing
+    and reading; grids over the wave speed or the modulus give each member its material.
+    """
     text = """
         [materials.bar]
         wave_speed = "5.1 km/s"
@@ -320,6 +330,9 @@ STEPPED = "[[bodies]]\nkind = 'rod'\n" + "".join(
 def test_a_hertz_contact_has_the_stiffness_of_radii_and_materials_of_its_faces(
     bodies, entries, faces
 ):
+    """A Hertz contact in a case file, given by radii and materials, has the stiffness
+    of `Hertz.from_radii`, also after writing and reading.
+    """
     left_radius, right_radius, left_name, right_name = faces
     left_material = ri.materials.TABLE[left_name]
     right_material = None

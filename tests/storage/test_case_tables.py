@@ -124,6 +124,9 @@ def test_keys_are_told_in_one_line_without_control_characters():
 
 
 def test_keys_and_values_of_100000_characters_are_told_shortly():
+    """A key, name or word of 100,000 characters in a case file or a grid is refused in
+    less than 400 characters.
+    """
     name = "y" * 10**5
     long_key = HEAD + A_ROD + f'"{name}" = 1'
     assert len(str(error_of(long_key))) < 300

@@ -173,6 +173,9 @@ def test_a_family_is_no_case_and_its_member_is_one():
 
 
 def test_materials_of_one_name_have_a_table_each():
+    """Rods of four different materials, three of them named steel, are written with
+    four tables of materials, and read as the same system.
+    """
     materials = [
         STEEL,
         ri.Material("steel", youngs_modulus=1e9, density=1e3),
@@ -198,6 +201,10 @@ def test_a_name_that_no_file_holds_is_refused():
 
 
 def test_functions_come_back_as_the_curves_that_they_became():
+    """Functions for area, velocity and force became smooth profiles with an error above
+    0; the system is equal after writing and reading.
+    """
+
     def pulse(t):
         """A force of 1 kN at 0.1 ms, N."""
         return 1e3 * np.exp(-(((t - 1e-4) / 3e-5) ** 2))

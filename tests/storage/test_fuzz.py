@@ -116,6 +116,10 @@ def spoil_contents(rng, path):
 @pytest.mark.filterwarnings("ignore")  # NumPy warns of types that lose digits
 @pytest.mark.parametrize("seed", SEEDS)
 def test_a_damaged_file_is_refused_or_is_what_was_saved(tmp_path, originals, seed):
+    """Saved sweeps are spoilt at random, in bytes or contents. Loading is refused by a
+    message that begins with the path, in more than half of the cases, or what is loaded
+    saves as the original file.
+    """
     rng = np.random.default_rng(seed)
     path = tmp_path / "damaged.npz"
     again = tmp_path / "again.npz"
@@ -177,6 +181,10 @@ def spoil_directory(rng, folder, other):
 def test_a_damaged_checkpoint_is_refused_or_comes_to_the_same_end(
     tmp_path, monkeypatch, seed, damages
 ):
+    """The folder of a finished sweep is spoilt at random, many times. The sweep is run
+    with it again: it is refused by a message that begins with the path, or has the same
+    bits. Both occur.
+    """
     monkeypatch.setattr("rodimpact.methods.fronts.families.MAX_MEMBERS_PER_CALL", 4)
     # Waiting for the disk would take most of the time.
     monkeypatch.setattr("rodimpact.storage.writing.os.fsync", lambda file: None)

@@ -255,6 +255,9 @@ def test_parameters_of_a_family_have_the_paths_that_were_varied():
     ],
 )
 def test_radii_and_materials_of_faces_vary_the_stiffness(path, grid):
+    """A grid of two values over a radius or a number of a material makes a family over
+    the stiffness of the Hertz contact, with the stiffnesses of `Hertz.from_radii`.
+    """
     faces = {"left_radius": 0.05, "right_radius": math.inf}
     ball = {"youngs_modulus": 100e9, "density": 5000, "poisson_ratio": 0.3}
 
@@ -320,6 +323,9 @@ def test_nothing_is_said_of_grids_of_a_law_or_an_end_that_is_unknown():
 
 
 def test_a_diameter_in_metres_varies_the_area():
+    """A grid over three diameters gives the members these round areas; the first is the
+    system of the file, whose diameter is the same.
+    """
     vary = {"bodies.1.diameter": "1 cm:2 cm:3"}
 
     case = parse_case(PROFILES_AND_SEGMENTS, vary=vary)
@@ -408,6 +414,9 @@ def test_grids_have_their_values_and_hold_both_ends_exactly(grid, values):
     log=st.booleans(),
 )
 def test_random_grids_hold_both_ends_exactly_at_equal_steps(ends, count, log):
+    """A random grid "start:end:count", linear or logarithmic, has both ends exactly,
+    the number of values, and equal steps or ratios.
+    """
     start, end = ends
     grid = f"{start!r}:{end!r}:{count}"
     if log:
@@ -860,6 +869,9 @@ def test_32_numbers_may_vary_and_33_are_refused():
 
 
 def test_all_mistakes_at_once_with_those_of_the_grids():
+    """A wrong case file with six grids, five of them wrong: exactly these six paths are
+    reported.
+    """
     messages = problems(
         HEAD
         + "[materials]\nx = 3\n"

@@ -96,6 +96,10 @@ def test_a_small_file_of_many_zeros_is_refused_before_it_takes_memory(
 def test_a_file_is_refused_with_a_figure_only_if_it_takes_half_of_the_memory(
     saved, monkeypatch
 ):
+    """The installed memory is set to just below twice what the document or the arrays
+    of a file take: loading raises MemoryError with this figure. With enough memory it
+    is loaded.
+    """
     document, arrays = contents(saved)
     arrays["f8"] = np.resize(arrays["f8"], 10**6)
     document["arrays"]["f8"] = described(arrays["f8"])
@@ -148,6 +152,9 @@ def test_a_document_that_does_not_fit_the_arrays_is_refused(saved, change):
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no named pipes here")
 @pytest.mark.parametrize("name", ["pipe", "sweep/members-00000000.npz"])
 def test_a_pipe_is_refused_and_not_waited_for(tmp_path, name):
+    """A named pipe in place of a file is refused by `load`, and, with the name of a
+    file of a checkpoint, by `sweep`.
+    """
     family = ri.System(
         [ri.Rod([0.4, 0.5], area=1e-4, material=STEEL, velocity=1.0), ri.Wall()]
     )

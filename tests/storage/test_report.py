@@ -56,6 +56,9 @@ def test_columns_are_aligned_and_no_line_ends_with_blanks(unequal_solution):
 
 
 def test_round_off_prints_as_zero_but_json_keeps_it():
+    """The striker of a final collision keeps a velocity and vibration of round-off: the
+    printed table has 0, JSON the numbers themselves.
+    """
     solution = ri.solve(ri.System([rod(0.45, 1.0), rod(1.0)]))
     outcome = solution.outcome
     velocity = outcome.velocities_after[0]
@@ -210,6 +213,9 @@ def test_single_episodes_of_many_contacts_are_cut_and_counted():
 
 
 def test_json_has_system_outcome_and_episodes_without_loss(unequal_solution):
+    """The JSON of a solution is strict, and has its system, restitution, finality and
+    the opening of its one episode exactly.
+    """
     # `parse_constant` is called for numbers that are not finite.
     data = json.loads(
         report.solution_json(unequal_solution), parse_constant=pytest.fail

@@ -40,6 +40,9 @@ def test_the_manual_names_every_key_in_order():
 
 
 def test_energies_that_files_of_earlier_versions_lack_are_0(tmp_path):
+    """The works of soil and drag are removed from a saved solution: it is read with 0
+    for both.
+    """
     rod = ri.Rod(0.4, area=1e-4, material=ri.materials.steel, velocity=1.0)
     path = tmp_path / "run.toml"
     ri.solve(ri.System([rod, ri.Wall()])).save(path)
@@ -58,6 +61,9 @@ def test_energies_that_files_of_earlier_versions_lack_are_0(tmp_path):
 
 
 def test_a_record_holds_all_that_an_outcome_finds():
+    """The fields of `Outcome` that do not follow from the system are exactly those that
+    are stored, and all totals of a contact are stored.
+    """
     computed = set(ri.Outcome.__dataclass_fields__) - OF_SYSTEM - RESIDUALS
     # Velocities and energies before the collision follow from the system, too.
     found = {name for name in computed if not name.endswith("_before")}

@@ -121,6 +121,9 @@ def test_a_half_written_file_never_bears_the_name_and_an_interrupt_removes_it(
 
 
 def test_a_directory_where_one_may_not_write_is_told_before(tmp_path, monkeypatch):
+    """`check_target` raises PermissionError for a file in a folder that is read only,
+    before anything is written.
+    """
     is_user = os.name == "posix" and os.geteuid() != 0
     if is_user:
         tmp_path.chmod(0o500)
