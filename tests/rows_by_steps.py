@@ -245,6 +245,9 @@ class Node:
     """A chain of links, with a rod, a mass, a wall or nothing on each side of each."""
 
     def __init__(self, links, masses, speeds):
+        """A node at time 0 between two rods or at an end, with links, masses and speeds
+        of its bodies; lines and mobilities are set later.
+        """
         self.links = links
         self.masses = masses  # None where the body is no mass
         self.speeds = speeds  # of the bodies: of masses and walls

@@ -110,6 +110,9 @@ def test_the_readme_shows_every_command_and_no_other():
 
 
 def test_the_manual_lists_every_public_name():
+    """All public names of the package and of six of its modules are listed in the
+    manual.
+    """
     names = set()
     for name in rodimpact.__all__:
         if not inspect.ismodule(getattr(rodimpact, name)):
@@ -281,6 +284,9 @@ def test_no_annotation_in_help_is_longer_than_a_line_of_a_terminal():
 
 
 def test_the_manual_names_every_command_that_reads_a_case_file():
+    """Every command with an argument `case` is named in the first paragraph of the page
+    on case files.
+    """
     text = (ROOT / "docs" / "input.md").read_text(encoding="utf-8")
     first_paragraph = text[text.index("A case file describes") : text.index("```toml")]
     readers = []

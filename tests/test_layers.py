@@ -82,6 +82,9 @@ def imports_of(name, path):
 
 
 def test_modules_import_no_higher_layer_and_no_method_but_their_own():
+    """Each import within the package leads to the same layer or a lower one; only
+    `registry` imports from several methods.
+    """
     for name, path in modules():
         package, *inside = name.split(".")
         for target in imports_of(name, path):

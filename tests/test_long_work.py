@@ -76,6 +76,9 @@ WORK = [
 
 @pytest.mark.parametrize("work", WORK)
 def test_long_work_reports_its_progress(work):
+    """The work calls its `progress` at least once, with a count of at least 0 and at
+    most the total, which may be None.
+    """
     heard = []
 
     def listen(done, total):

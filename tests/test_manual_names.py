@@ -216,6 +216,9 @@ def sources():
 
 
 def test_identifiers_on_the_page_for_contributors_stand_in_the_sources():
+    """Every identifier in code on this page occurs in the sources; commands, patterns
+    and files are left out.
+    """
     words = set(re.findall(r"\w+", sources()))
     unknown = []
     for span in code_spans(CONTRIBUTING):
@@ -230,6 +233,7 @@ def test_identifiers_on_the_page_for_contributors_stand_in_the_sources():
 
 
 def test_the_table_of_files_on_the_page_for_contributors_names_modules():
+    """Each name in the table of `methods/` on this page is a folder or module there."""
     _, _, after_heading = CONTRIBUTING.partition("Within `methods/`:")
     table, _, _ = after_heading.partition("\n\n`ri.solve`")
     rows = re.findall(r"^\| (`.*?) \|", table, re.M)

@@ -159,6 +159,7 @@ def test_an_atlas_over_a_density_has_the_restitution_of_a_run_there(path):
 
 
 def test_gradients_of_a_round_rod_take_its_diameter_and_its_area():
+    """The derivative by the diameter of a rod is that by its area times pi d/2."""
     diameter = 0.01
     striker = ri.Rod(0.4, diameter=diameter, material=STEEL, velocity=1.0)
     struck = ri.Rod(1.0, area=1e-4, material=STEEL)

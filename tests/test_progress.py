@@ -70,6 +70,9 @@ def watched(monkeypatch):
 def test_a_bar_tells_the_call_how_much_and_how_fast_and_leaves_an_empty_line(
     monkeypatch,
 ):
+    """After 10 of 50 collisions, the bar has the name of the call, 20 %, 10/50 and a
+    rate; afterwards the line is empty.
+    """
     terminal = watched(monkeypatch)
     with Progress(progress=True, name="sweep", unit="collisions") as report:
         report(0, 50)
@@ -91,6 +94,9 @@ def test_a_call_of_less_than_two_seconds_shows_nothing(monkeypatch):
 
 
 def test_two_seconds_count_from_the_start_of_the_call(monkeypatch):
+    """The delay of the bar is 2 s: it does not appear 1 s after the start of the call,
+    and does 2.1 s after it.
+    """
     terminal = watched(monkeypatch)
     monkeypatch.setattr(progress, "APPEARS_AFTER", 2.0)
     with Progress(progress=True, name="sweep", unit="collisions") as report:
@@ -163,6 +169,9 @@ def test_nothing_appears_in_worker_processes(monkeypatch):
 
 
 def test_nothing_appears_in_worker_threads_where_functions_are_called(monkeypatch):
+    """In another thread, progress=True shows no bar, and a function given as progress
+    is called.
+    """
     terminal = watched(monkeypatch)
     heard = []
 
@@ -179,6 +188,9 @@ def test_nothing_appears_in_worker_threads_where_functions_are_called(monkeypatc
 
 
 def test_only_the_outermost_call_has_a_bar(monkeypatch):
+    """A sweep inside a fit: only the bar of the fit appears, and its line is empty
+    afterwards.
+    """
     terminal = watched(monkeypatch)
     with Progress(progress=True, name="fit", unit="collisions") as outer:
         outer(1, 10)
@@ -265,6 +277,9 @@ def test_warnings_and_messages_stand_above_the_bar(monkeypatch):
 
 
 def test_warnings_that_are_recorded_stay_recorded(monkeypatch):
+    """A warning while a bar is shown, inside `pytest.warns`, is recorded there and not
+    written to the terminal.
+    """
     terminal = watched(monkeypatch)
 
     def work():
@@ -278,6 +293,7 @@ def test_warnings_that_are_recorded_stay_recorded(monkeypatch):
 
 
 def test_compiling_is_told_above_the_bar(monkeypatch):
+    """The message on compiling, while a bar is shown, has a line of its own above it."""
     terminal = watched(monkeypatch)
     kernels._tell.cache_clear()
     with Progress(progress=True, name="sweep", unit="collisions") as report:
@@ -300,6 +316,7 @@ def test_a_bar_of_the_user_stays_above_ours(monkeypatch):
 
 
 def test_a_sweep_shows_a_bar_and_a_solve_inside_does_not(monkeypatch):
+    """A sweep shows its own bar only; `solve` called alone shows one."""
     terminal = watched(monkeypatch)
     lengths = np.array([0.4, 0.5])
     family = ri.System([rod(lengths, 1.0), rod(1.0)])
@@ -388,6 +405,9 @@ print(hasattr(bar, "container"))
 @pytest.mark.exhaustive
 @pytest.mark.parametrize("has_widgets", [True, False])
 def test_a_notebook_has_a_widget_or_without_ipywidgets_a_line(has_widgets):
+    """In a simulated notebook, a process shows a widget exactly if ipywidgets is there,
+    and no warning of tqdm.
+    """
     if has_widgets:
         pytest.importorskip("ipywidgets")
     code = NOTEBOOK.format(has_widgets=has_widgets)

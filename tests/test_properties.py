@@ -47,6 +47,9 @@ def waves(solution, factor=1.0):
 
 @given(SEEDS)
 def test_forces_and_gaps_are_never_negative_and_one_of_them_is_0_at_every_event(seed):
+    """At all breakpoints of the contacts of a random row, force and gap are at least 0,
+    and their product is 0.
+    """
     system = random_system(seed, bonded=False)
     solution = run(system)
     for contact in solution.contacts:

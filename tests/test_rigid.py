@@ -208,6 +208,9 @@ def test_a_small_gap_makes_stacked_balls_collide_one_after_another():
 
 
 def test_shapes_of_results_are_those_of_the_broadcast_arguments():
+    """`collide`, `stack_drop` and `reduced_mass` of a column and a row have results of
+    shape (2, 3); velocities of stacks have one axis more.
+    """
     column = np.array([[1.0], [2.0]])
     row = np.array([0.0, 0.5, 1.0])
     masses_of_3_stacks = np.ones((3, 2))  # [stack, ball]

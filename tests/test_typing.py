@@ -66,6 +66,9 @@ def test_a_typed_program_of_a_solution_runs() -> None:
 
 
 def test_constructors_take_more_types_than_their_attributes_have() -> None:
+    """A list and an integer are accepted by constructors; mypy checks the types of the
+    attributes, and three values are compared.
+    """
     pads = ri.SpringDashpot([1e8, 2e8], damping=100)
     assert_type(pads.stiffness, float | NDArray[np.float64])
     rubber = ri.Material("rubber", youngs_modulus=5e6, density=1100)

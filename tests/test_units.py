@@ -71,6 +71,7 @@ def test_the_product_of_number_and_unit_is_rounded_once(number, data):
 
 
 def test_every_unit_is_what_it_is_to_pint():
+    """Each unit of each dimension has the factor to SI units that pint has, to 1e-14."""
     quantity = pytest.importorskip("pint").application_registry.get().Quantity
     factors = {}
     pint_factors = {}

@@ -88,6 +88,9 @@ def test_the_page_magnifies_as_figures_do_in_the_same_frame(layout, row):
 
 @pytest.mark.exhaustive
 def test_figures_magnify_by_the_same_factor_in_the_same_frame(solution, layout):
+    """The labels of a diagram and of snapshots in the laboratory both name the scale of
+    the layout, and a moving frame exactly if the layout has one.
+    """
     diagram = plot.spacetime(solution, coordinates="lab")
     snapshots = plot.snapshots(solution, times=[0.0, solution.t_end])
 

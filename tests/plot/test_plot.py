@@ -205,6 +205,9 @@ def test_colour_limits_are_symmetric_about_rest_and_hold_all_values(
     ],
 )
 def test_colour_of_each_region_is_the_field_in_its_middle(solved, field, scale):
+    """The value drawn for each region of a diagram is the field of the solution at the
+    mean of its corners, in the unit of the picture.
+    """
     solution = solved["impedances"]
     regions = ri.regions_of(solution)
 
@@ -326,6 +329,9 @@ def test_contact_presses_then_touches_then_opens(solved):
 
 
 def test_axes_carry_units_and_the_magnification(solved):
+    """The labels of a diagram of stress name m, us and MPa, and end with the
+    magnification of the displacements.
+    """
     picture = plot.spacetime(solved["unequal"], axes(), "stress", coordinates="lab")
 
     ax = picture.ax
@@ -543,6 +549,9 @@ def test_round_trips_of_two_materials_have_two_speeds():
 
 
 def test_fronts_are_named_by_what_they_add_to_the_stress(solved):
+    """In a diagram of stress of a rod at a wall, the first front is named compression
+    and its reflection tension, each in the middle of its path.
+    """
     transit = 0.5 / C * MICROSECONDS
 
     picture = plot.spacetime(solved["wall"], field="stress")
@@ -620,6 +629,9 @@ def test_moments_are_few_and_inside_the_solution(solved, name):
 
 
 def test_pieces_bear_their_velocity_in_parts_of_the_closing_speed(solved):
+    """Snapshots of two equal rods at three times: each uniform piece is labelled v, v/2
+    or 0, times are in us and transits, and both fronts have arrows.
+    """
     picture = plot.snapshots(solved["identical"], times=[0.0, 0.5 / C, 3 / C])
 
     # Two rods at 0 s, four pieces as two fronts run, two rods at the end
@@ -742,6 +754,9 @@ def test_gauge_record_is_in_microstrain_and_microseconds(solved):
 
 
 def test_restitution_notes_the_largest_residual_and_leaves_out_collisions_without_e():
+    """Of four restitutions, one is nan: three points are drawn, beside the line e =
+    l1/l2, and the note has the largest residual, 0.01, of three collisions.
+    """
     ratios = [0.2, 0.4, 0.6, 0.8]
     restitutions = [0.2, 0.4, np.nan, 0.81]
 
@@ -1010,6 +1025,10 @@ def test_gauges_move_in_snapshots(solved):
 @pytest.mark.exhaustive
 @pytest.mark.usefixtures("laid_out")
 def test_a_vector_file_has_paths_and_text_under_a_title(solved, tmp_path):
+    """The SVG file of a diagram has one image, the colour bar, and otherwise paths and
+    texts, a title and no date.
+    """
+
     def draw():
         return plot.spacetime(solved["impedances"]).ax.figure
 
@@ -1036,6 +1055,9 @@ def test_a_vector_file_has_paths_and_text_under_a_title(solved, tmp_path):
 def test_the_suffix_names_the_format_and_files_are_the_same_every_time(
     solved, tmp_path, suffix, magic
 ):
+    """The same figure saved twice with a suffix: both files begin as this format does,
+    and are equal byte for byte.
+    """
     files = []
     for name in ("a", "b"):
         path = tmp_path / f"{name}.{suffix}"

@@ -31,6 +31,9 @@ def comparison(predicted_signal):
 
 
 def test_measured_and_predicted_signal_are_drawn(comparison, predicted_signal):
+    """The figure draws the measured values, and those of the prediction at the same
+    times, in us and V, and names both.
+    """
     predicted_values = np.interp(T, predicted_signal.times, predicted_signal.values)
 
     measured_line = comparison.measured
@@ -43,6 +46,9 @@ def test_measured_and_predicted_signal_are_drawn(comparison, predicted_signal):
 
 
 def test_the_residual_is_drawn_in_parts_of_the_plateau(comparison, predicted_signal):
+    """The residual is drawn in % of the plateau of the measured pulse; the figure keeps
+    the misfit and prints its rms.
+    """
     predicted = np.interp(T, predicted_signal.times, predicted_signal.values)
     residual = (PULSE.values - predicted) / PLATEAU * 100
     misfit = PULSE.misfit(predicted_signal, shift=0.0, scale=1.0)

@@ -283,6 +283,9 @@ def test_time_across_is_the_same_picture_on_its_side(solved, name):
 
 @some_rows
 def test_in_material_coordinates_nothing_moves(solved, name):
+    """In a diagram over material coordinates, the ends of all rods are vertical lines
+    at their coordinates, and the label says so.
+    """
     picture = plot.spacetime(solved[name], axes(), coordinates="body")
 
     positions = set()

@@ -160,6 +160,9 @@ def test_a_gauge_at_a_free_end_has_an_incident_pulse(struck_bar_solution):
     ],
 )
 def test_a_record_is_drawn_to_its_end(options):
+    """The strain of a gauge and the contact force are drawn as steps from 0 to 600 us,
+    the end of the run.
+    """
     striker = rod(0.2, 10.0)
     system = ri.System([striker, rod()])
     solution = ri.solve(system, 6e-4, **options)

@@ -373,6 +373,9 @@ def random_family(shape):
 
 @pytest.mark.exhaustive
 def test_members_in_no_order_are_points_beside_a_histogram():
+    """A sweep over 60 random members is drawn as points without lines, with a histogram
+    of all 60 beside them; no texts overlap.
+    """
     result = ri.sweep(random_family(60))
 
     picture = plot.sweep(result)
@@ -401,6 +404,9 @@ def test_numbers_that_rise_together_are_a_curve():
 
 
 def test_a_map_of_members_in_no_order_is_refused_with_a_remedy_that_works():
+    """A family whose first axis has no order is refused, with the advice to draw a part
+    of it; this part is drawn with a histogram.
+    """
     random_rods, _ = random_family((9, 1)).bodies
     areas = np.array([1e-4, 2e-4, 4e-4])
     rods_in_order = rod(area=areas)
@@ -420,6 +426,9 @@ def test_a_map_of_members_in_no_order_is_refused_with_a_remedy_that_works():
 def test_show_names_the_file_of_the_figure_without_a_display(
     solved, capsys, monkeypatch
 ):
+    """Without a display, `show` returns None, and standard error names a PNG file in
+    which the figure is.
+    """
     monkeypatch.setattr(plt, "get_backend", lambda: "agg")
     picture = plot.energy(solved["unequal"])
 

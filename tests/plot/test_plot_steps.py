@@ -340,6 +340,7 @@ def test_cells_stay_pixels_so_that_vector_files_are_small(solved, tmp_path):
 
 
 def test_moments_hold_all_events_at_the_contacts(solved):
+    """The `moments` of a bar test contain all finite times of its episodes."""
     solution = solved["hopkinson"]
     events = set()
     for contact in solution.contacts:
@@ -457,6 +458,9 @@ def joint_patch(picture):
 
 
 def test_the_gap_of_a_joint_is_its_stretch(joined_solution):
+    """The axis of a joint is labelled stretch; of a contact and a joint together, gap
+    or stretch.
+    """
     joint = plot.contact(joined_solution, contact=1)
     both = plot.contact(joined_solution, contact=[0, 1])
 
@@ -504,6 +508,9 @@ def test_a_joint_is_a_line_in_material_coordinates(joined_solution):
 
 @pytest.mark.exhaustive
 def test_a_joint_is_pressed_together_and_drawn_out_in_snapshots(joined_solution):
+    """In the snapshots, the zigzag of a joint is narrower than at the start in one, and
+    wider in another.
+    """
     lines = plot.snapshots(joined_solution).ax.lines
 
     # A joint is a zigzag of many points, one in each snapshot.
@@ -526,6 +533,9 @@ def test_all_contacts_are_drawn_and_named(joined_solution):
 
 
 def test_of_many_contacts_those_of_the_largest_forces_are_drawn():
+    """Of 13 contacts, the first 12, where the wave has been, are drawn in order, and
+    the title says "12 of 13 contacts".
+    """
     striker = rod(0.1, 1.0)
     small_rods = [rod(0.1)] * 12
     row = ri.System([striker, *small_rods, ri.Wall()])

@@ -86,6 +86,7 @@ def words_of_axes(ax):
 
 @pytest.mark.parametrize("name", few_of(PICTURES, {"contact", "gauge", "restitution"}))
 def test_words_of_dark_figures_are_light_and_paper_is_dark(name):
+    """In the dark look, figure and axes are nearly black, and every text is light."""
     with plot.look("dark"):
         figure = PICTURES[name]().figure
 
@@ -179,6 +180,9 @@ def test_wrong_looks_are_refused(wrong, named):
 @pytest.mark.parametrize("mode", ["light", "dark"])
 @pytest.mark.usefixtures("closing")
 def test_style_sheets_have_paper_ink_and_series_of_the_looks(mode):
+    """A matplotlib figure in the style sheet of a look has its paper, ink and first
+    colour, and no line at the top.
+    """
     with plt.style.context(f"rodimpact.plot.{mode}"):
         figure, ax = plt.subplots()
         (line,) = ax.plot([0, 1])

@@ -207,6 +207,7 @@ def test_curves_of_two_families_are_told_apart(swept):
 
 
 def test_displacements_are_in_millimetres_as_in_tables():
+    """A sweep of displacements is drawn in mm, up to the largest one."""
     lengths = np.linspace(0.5, 2.0, 4)
     family = ri.System([rod(lengths, 1.0), rod()])
     moved = ri.sweep(family, until=0.2, also=["displacement"])
@@ -233,6 +234,9 @@ QUANTITIES = (
 @pytest.mark.parametrize("quantity", QUANTITIES)
 @pytest.mark.parametrize("name", ["lengths", "areas", "few", "wall"])
 def test_theory_and_results_agree(swept, name, quantity):
+    """At each result of a sweep, the drawn theory has a point at the same place, with
+    the same value to 1e-9.
+    """
     picture = plot.sweep(swept[name], axes(), quantity)
 
     x, y = finite_points(picture.values)
@@ -311,6 +315,9 @@ def test_steepness_round_off_and_trifles_do_not_break_a_curve(values):
 
 
 def test_collisions_without_a_value_leave_a_gap():
+    """In a sweep over velocities, members that do not collide have no point, and the
+    theory, e = 0.5, begins above 0.
+    """
     velocities = np.linspace(-0.5, 1.5, 9)
     family = ri.System([rod(0.5, velocities), rod()])
 
@@ -354,6 +361,7 @@ def test_values_in_any_order_are_drawn_in_increasing_order():
 
 @pytest.mark.exhaustive
 def test_cells_of_values_in_any_order_are_drawn_in_increasing_order():
+    """A map over lengths and areas in no order has its cells sorted by both."""
     areas = np.array([3e-4, 1e-4, 2e-4])
     result = swept_map(UNORDERED_LENGTHS, rod(area=areas))
 
@@ -577,6 +585,9 @@ def test_lines_end_where_nothing_collides(swept):
 
 
 def test_contour_lines_of_e_are_those_of_l1_over_l2():
+    """A map over two lengths has labelled contours at 0.2, 0.4, 0.6 and 0.8, on which
+    the ratio of the lengths is this level.
+    """
     lengths = np.linspace(0.05, 0.95, 40)
     struck = rod(np.linspace(1, 2, 30))
     result = swept_map(lengths, struck)
@@ -669,6 +680,9 @@ def test_colours_begin_at_the_smallest_value_of_one_sign(swept, map_picture):
 
 
 def test_counts_have_a_colour_each(swept):
+    """A map of numbers of episodes draws 1 and 2 in a colour each, without contours;
+    its axes name the varied numbers.
+    """
     picture = plot.sweep(swept["heads"], axes(), "episodes.0")
 
     cells = picture.cells
@@ -896,6 +910,9 @@ def test_families_without_axis_are_refused(lengths):
 
 
 def test_a_family_of_three_axes_is_refused_and_a_member_is_drawn():
+    """A family of shape (2, 2, 2) is refused with the advice of its first part, which
+    is drawn as a map.
+    """
     lengths = np.reshape([0.3, 0.4], (2, 1, 1))
     velocities = column([1.0, 2.0])
     areas = [1e-4, 2e-4]
@@ -922,6 +939,9 @@ def test_many_cells_make_a_small_file_with_the_same_bytes_every_time(tmp_path):
 
 
 def test_a_text_in_place_of_the_axes_is_refused_with_the_name_of_its_argument():
+    """A quantity given as the second argument of `plot.sweep` is refused: the message
+    names ax, and quantity= as the remedy.
+    """
     family = ri.sweep(SYSTEMS["few"])
 
     with pytest.raises(ri.InvalidModel) as refused:

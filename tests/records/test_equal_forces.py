@@ -301,6 +301,9 @@ TAPERED_STRIKER = ri.Rod(0.4, area=TAPER, material=shots.STEEL, velocity=12.0)
     ],
 )
 def test_mistakes_of_a_direct_impact_are_named(change, says):
+    """One argument of `reduce` for a direct impact is replaced by a wrong one:
+    InvalidModel has a fitting message.
+    """
     arguments = {
         "output_gauges": shots.direct_impact_on_law().gauge(0.5),
         "bars": BAR,
@@ -314,6 +317,9 @@ def test_mistakes_of_a_direct_impact_are_named(change, says):
 
 
 def test_a_direct_impact_with_input_gauges_is_refused():
+    """`reduce` with a striker and input gauges is refused with the advice of
+    output_gauges alone.
+    """
     gauge = shots.direct_impact_on_law().gauge(0.5)
 
     with pytest.raises(ri.InvalidModel, match="give output_gauges alone"):

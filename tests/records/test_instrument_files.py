@@ -76,6 +76,9 @@ def write_xls(path, rows):
     ("ending", "write"), [("xlsx", write_xlsx), ("xls", write_xls)]
 )
 def test_the_first_sheet_of_a_workbook_is_a_table(tmp_path, ending, write):
+    """Two signals are read from the first sheet of a workbook: names, units, values and
+    times are right, also for the shorter one.
+    """
     path = tmp_path / f"shot.{ending}"
     write(path, sheet())
 
@@ -95,6 +98,9 @@ def test_the_first_sheet_of_a_workbook_is_a_table(tmp_path, ending, write):
 def test_a_wrong_cell_of_a_workbook_is_named_by_line_and_column(
     tmp_path, ending, write
 ):
+    """A word in a workbook of numbers is refused with its line and column; cut before
+    this line, the sheet is read.
+    """
     path = tmp_path / f"shot.{ending}"
     rows = sheet()
     rows[20][1] = "high"
@@ -204,6 +210,9 @@ def test_a_tdms_file_without_times_needs_a_rate(tmp_path):
 
 
 def test_channels_of_a_tdms_file_with_two_clocks_need_two_files(tmp_path):
+    """A TDMS file whose channels have two time steps is refused; the slow channel in a
+    file of its own is read with its step.
+    """
     both = tmp_path / "both.tdms"
     slow_alone = tmp_path / "slow.tdms"
     fast = ("shot", "a", WAVE, CLOCK)

@@ -449,6 +449,9 @@ def test_a_large_table_takes_up_to_four_times_its_size_and_reports_progress(
 def test_a_table_that_takes_half_the_memory_is_refused_before_it_is_read(
     read, monkeypatch
 ):
+    """With an installed memory just below twice the need of a table, reading it raises
+    MemoryError with this figure.
+    """
     text = "time_s,a\n0,1\n1,2\n"
     needed = 4 * len(text)  # bytes: reading takes up to four times the file
     monkeypatch.setattr(memory, "installed", lambda: 2.0 * needed - 1)
@@ -545,6 +548,9 @@ MSO = "\n".join(
     ],
 )
 def test_files_of_labview_and_tektronix_say_units_and_times(tmp_path, text):
+    """A file of either kind is read: names, times, units and values of both signals are
+    right.
+    """
     path = tmp_path / "shot"
     path.write_text(text)
 

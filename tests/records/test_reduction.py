@@ -66,6 +66,10 @@ class Shot:
     """
 
     def __init__(self, striker=0.127, speed=20.0, rise=6e-6):
+        """Compute incident, reflected and transmitted strains, and the strain and
+        stress of the specimen, for a striker of this length, m, speed, m/s, and rise of
+        its pulse, s.
+        """
         self.times = np.arange(-1e-4, 6e-4, FINE)
         duration = 2 * striker / SPEED
         time_to_end = duration + rise - self.times
@@ -890,6 +894,9 @@ def test_a_calibration_stands_for_the_bars_and_its_errors_widen_the_bands(shot):
     ],
 )
 def test_mistakes_of_a_calibration_are_named(change, says):
+    """One argument of `calibrate` is replaced by a wrong one, or all are right but the
+    missing speed: InvalidModel has a fitting message.
+    """
     first, second = gauges_without_specimen()
     arguments = {
         "input_gauges": first,

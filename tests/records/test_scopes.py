@@ -142,6 +142,9 @@ def test_times_may_not_end_with_blank_cells(tmp_path):
 
 
 def test_a_channel_may_not_have_blank_cells_before_its_end(tmp_path):
+    """A channel with a blank cell and a number after it is refused with line and
+    column; cut before this line, the file is read.
+    """
     path = tmp_path / "shot.csv"
     lines = lines_with_blank_ends()
     lines[55] = lines[55].replace(",,", ",1.0,")
@@ -236,6 +239,9 @@ def test_several_blocks_of_a_yokogawa_scope_are_refused(tmp_path):
 
 
 def test_a_yokogawa_scope_without_a_resolution_needs_a_rate(tmp_path):
+    """A Yokogawa file without a time step is refused; its numbers alone are read with a
+    given rate and unit.
+    """
     path = tmp_path / "shot.csv"
     data = rows(WAVE, -WAVE)
     head = YOKOGAWA.replace("1.0E-06", "")
@@ -333,6 +339,9 @@ def test_catman_tells_names_and_units_two_dozen_lines_above_the_numbers(tmp_path
 
 
 def test_labview_files_with_commas_between_cells_are_read(tmp_path):
+    """A LabVIEW file with commas as separators is read: names, unit and values of its
+    two channels are right.
+    """
     text = (
         "LabVIEW Measurement,\nSeparator,Comma\nDecimal_Separator,.\nX_Columns,One\n"
         "***End_of_Header***,\n,\nChannels,2,\nY_Unit_Label,V,V\nX_Dimension,Time,Time\n"

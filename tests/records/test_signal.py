@@ -67,6 +67,9 @@ def test_a_signal_has_a_length_a_start_and_an_end():
 
 
 def test_a_signal_is_immutable():
+    """The samples of a signal do not follow the array from which it was made; writing
+    them, or its unit, raises an error.
+    """
     values = np.array([0.0, 1.0, 1.0])
     signal = ri.Signal(values, dt=1e-6)
     values[0] = 7.0
@@ -78,6 +81,9 @@ def test_a_signal_is_immutable():
 
 
 def test_values_between_samples_lie_on_straight_lines():
+    """A signal with uneven times is evaluated, and resampled by a step or by times:
+    values are linear between its samples.
+    """
     signal = ri.Signal([0.0, 2.0, 2.0], [0.0, 1.0, 4.0])
     between = signal.at([0.25, 3.0])
     by_step = signal.resampled(0.5)
@@ -97,6 +103,9 @@ def test_a_window_holds_the_samples_inside_and_a_shift_moves_their_times():
 
 
 def test_signals_and_numbers_are_added_and_multiplied():
+    """Sums, differences, products, quotients and negatives of signals and numbers have
+    the values of their samples.
+    """
     high = trapezoid(height=2.0)
     low = trapezoid(height=1.0)
 
@@ -380,6 +389,9 @@ def test_an_extended_signal_repeats_its_first_and_its_last_value():
 
 
 def test_a_signal_is_written_as_a_table_once_and_read_back_equal(tmp_path):
+    """A signal in CSV has a head with name and unit and is read back equal; writing it
+    again raises FileExistsError.
+    """
     path = tmp_path / "a.csv"
     signal = trapezoid(unit="V", name="incident bar")
 
@@ -410,6 +422,9 @@ def test_a_signal_comes_back_equal_from_xarray():
 
 
 def test_units_of_a_data_array_are_converted_and_must_be_there():
+    """An xarray array in microstrain over us becomes a signal in SI units; one without
+    units, or a number, is refused.
+    """
     xarray = pytest.importorskip("xarray")
     times = ("t", [0.0, 2.0], {"units": "us"})
     unit = {"units": "microstrain"}
@@ -612,6 +627,9 @@ for exponent, (name, unit) in enumerate(UNITS.items()):
 
 
 def test_a_table_is_read_as_it_was_written_and_replaced_only_by_force(tmp_path):
+    """Signals are written and read back equal; the file is replaced with force=True
+    only.
+    """
     path = tmp_path / "a.csv"
     other = {"2": SIGNALS["2"]}
 

@@ -184,6 +184,9 @@ def test_the_table_has_round_strains_and_the_peak(shot):
 
 
 def test_a_mean_is_printed_as_a_table(shot):
+    """The mean of three shots prints a title with the peak stress, heads, and rows for
+    strains from 0.5 % on.
+    """
     results = [reduced(shot, seed=seed) for seed in (0, 2, 4)]
     mean = ri.mean_of_shots(results)
     lines = str(mean).splitlines()

@@ -36,6 +36,9 @@ EPISODE_COLUMNS = ["start", "force_end", "opening"]
 
 
 def test_each_episode_of_a_contact_is_a_row():
+    """The data frame of each contact of a row has the columns of an episode and its
+    episodes as rows, in order.
+    """
     third = LEFT.replace(velocity=0.0)
     system = ri.System([LEFT, RIGHT, third, ri.Wall()])
     for contact in ri.solve(system).contacts:

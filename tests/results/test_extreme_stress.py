@@ -276,6 +276,9 @@ def test_errors_of_the_extremes_on_a_grid_fall_with_the_square_of_the_step(visco
 
 
 def test_only_a_rod_has_extreme_stresses():
+    """`extreme_stress` of a wall, of a rigid mass, and of a body that is not there
+    raises ValueError.
+    """
     row = ri.System([ri.Wall(), unit_rod(velocity=-1.0), ri.RigidMass(1.0)])
     solution = ri.solve(row, 1.0)
     with pytest.raises(ValueError, match="body: 0 is a wall"):

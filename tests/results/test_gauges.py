@@ -176,6 +176,9 @@ def test_a_gauge_outside_its_body_is_refused(bars, x):
 
 
 def test_the_command_line_writes_a_table_of_gauges_once(tmp_path, capsys):
+    """`run --gauges` with two gauges writes a table with time and both; a second run is
+    refused, as the file exists.
+    """
     case = tmp_path / "case.toml"
     case.write_text(CASE)
     table = tmp_path / "bars.csv"

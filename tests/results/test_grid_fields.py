@@ -394,6 +394,9 @@ def test_displacement_is_the_integral_of_velocity(row_solution, body, x):
 def test_velocities_of_damped_rods_are_means_over_the_steps_before_and_after(
     row_solution, x
 ):
+    """At x of a damped rod, the velocity at a state is the change of displacement over
+    the two steps around it; the first and last states are left out.
+    """
     damped_rod = 2  # index of the body
     times = times_of_states(row_solution)
     displacement = row_solution.displacement(damped_rod, x, times)

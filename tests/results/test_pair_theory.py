@@ -25,6 +25,9 @@ STEPPED = ri.Rod(segments=[ri.Segment(0.1, 1e-4, STEEL), ri.Segment(0.1, 2e-4, S
     ],
 )
 def test_the_closed_form_of_a_pair_has_the_numbers_of_its_solution(system, source):
+    """The closed form of a pair names its source; restitution, impulse, duration, peak
+    force and velocities after are those of the solution to 1e-5.
+    """
     outcome = ri.solve(system).outcome
 
     theory = pair_theory(system)

@@ -53,6 +53,9 @@ def test_without_damping_vibration_never_decays():
 
 @pytest.mark.exhaustive
 def test_the_body_that_vibrates_longest_is_the_longest_rod_beside_a_mass():
+    """Two lossy rods and a mass collide on a grid: the body of the ring-down is the
+    longest rod, and its rigid energy is the kinetic energy after.
+    """
     mass = ri.RigidMass(0.1, velocity=-1.0)
     bodies = [*pair(LOSSY).bodies, mass]
     laws = [ri.Rigid(), ri.Rigid()]

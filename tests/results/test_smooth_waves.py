@@ -179,6 +179,9 @@ def test_velocity_and_strain_are_sums_of_waves(vibrating_solution, field):
 
 @pytest.mark.parametrize("field", FIELDS)
 def test_places_and_times_broadcast_to_values_of_each_alone(vibrating_solution, field):
+    """A field at 12 positions and 10 times in one call has the values of single calls
+    to 1e-14.
+    """
     rng = np.random.default_rng(1)
     x = np.sort(rng.uniform(0, 2, 12))
     t = np.sort(rng.uniform(0, 5.5, 10))
@@ -281,6 +284,9 @@ def times_away_from_jumps():
 def test_a_gauge_follows_the_fields_and_its_waves_add_to_its_strain(
     vibrating_solution, gauge
 ):
+    """A gauge of a vibrating rod has the exact strain away from jumps, the velocity of
+    the solution, and waves that add to its strain.
+    """
     t = times_away_from_jumps()
     expected_strain = strain(GAUGE, t)
     sum_of_waves = gauge.rightward + gauge.leftward
@@ -381,6 +387,9 @@ def test_force_impulse_and_work_of_a_contact_are_those_of_a_dashpot(struck_solut
 def test_straight_lines_between_breakpoints_follow_the_force_and_gaps_are_0(
     struck_solution,
 ):
+    """Between the breakpoints of a contact, straight lines miss the exact force by 1e-4
+    at most, and the gap is 0.
+    """
     times, force, gap = struck_solution.contacts[0].breakpoints()
     between = np.linspace(0.0, 3.5, 1000)
     lines = np.interp(between, times, force)
@@ -392,6 +401,9 @@ def test_straight_lines_between_breakpoints_follow_the_force_and_gaps_are_0(
 def test_a_mass_and_the_end_of_the_rod_move_as_one_and_a_state_has_its_velocity(
     struck_solution,
 ):
+    """A mass strikes a rod: its velocity decays as known, its displacement and that of
+    the end of the rod are the integral of this, and the state at 1 s has the velocity.
+    """
     moved = MASS * (SPEED - speed(TIMES)) / Z  # the integral of the velocity
     velocity_of_mass = struck_solution.velocity(0, 0.0, TIMES)
     displacement_of_mass = struck_solution.displacement(0, 0.0, TIMES)

@@ -73,6 +73,10 @@ def test_the_outcome_of_the_box(box_solution):
 
 
 def test_the_contact_of_the_box(box_solution):
+    """Two unequal rods: the only episode begins at 0, its force ends after the round
+    trip of the striker, and the gap opens after that of the struck rod; force and gap
+    have their exact values, and at the end of the force `side` chooses.
+    """
     force_end = 2 * 0.4 / C  # the wave has run through the striker and back
     opening = 2 * 1.0 / C  # the wave has run through the struck rod and back
     force = steel.density * C * 1e-4 / 2  # rho c A v/2, N
@@ -122,6 +126,9 @@ def test_fields_of_the_box(box_solution):
 
 
 def test_displacements_of_the_box(box_solution):
+    """Displacements of both rods of the box while the first wave runs, and the mean
+    velocity of the struck rod, are those of the known motion.
+    """
     t = 0.2 / C
     transit = 0.4 / C  # of the striker
     beside_contact = box_solution.displacement(1, 0.0, t)
@@ -175,6 +182,9 @@ def test_the_order_of_places_and_times_is_free(mixed_solution):
 
 
 def test_walls_have_a_velocity_but_no_stress(mixed_solution):
+    """A moving wall has its speed as velocity and mean velocity, and the displacement
+    that follows; its stress raises ValueError.
+    """
     wall = 0
     speed = 0.05  # m/s
     until = 1e-3  # s
@@ -246,6 +256,9 @@ def test_regions_tile_the_plane_and_agree_with_the_fields(mixed_solution, body, 
 def test_a_run_is_halved_until_it_has_few_enough_regions_and_no_further(
     box_solution, limit
 ):
+    """`readable_until` gives the end of the run over a power of 2, up to which there
+    are at most `limit` regions; up to twice this time there are more.
+    """
     stop = readable_until(box_solution, limit)
     halvings = np.log2(box_solution.t_end / stop)
     count = len(regions_of(box_solution, stop=stop))
@@ -402,6 +415,9 @@ def sent(value):
 )
 @pytest.mark.parametrize("copied", [sent, copy.deepcopy])
 def test_a_solution_can_be_copied_and_sent(options, copied):
+    """A solution that is copied, or pickled and read, has the same outcome, velocities
+    and forces.
+    """
     system = ri.System([rod(0.4, velocity=1.0), rod(1.0)])
     solution = ri.solve(system, **options)
 
@@ -440,6 +456,9 @@ def dataset(mixed_solution):
 def test_to_xarray_has_the_fields_of_the_solution_and_nan_outside_the_bodies(
     mixed_solution, dataset, field, places_in_wall
 ):
+    """A field in the dataset is finite at as many positions as each body has, at all
+    times, and equals that of the solution.
+    """
     values = dataset[field].transpose("body", "time", "x")
     # Of the places in X the rods, of 0.4, 0.8 and 0.25 m, have 3, 4 and 2.
     places_in_body = [places_in_wall, 3, 4, 2]
@@ -453,6 +472,9 @@ def test_to_xarray_has_the_fields_of_the_solution_and_nan_outside_the_bodies(
 
 
 def test_to_xarray_has_kinds_gaps_mean_velocities_and_energies(mixed_solution, dataset):
+    """The dataset of a solution has the expected sizes, the kinds of the bodies, and
+    gaps, mean velocities and strain energies of the solution.
+    """
     sizes = {"body": 4, "x": 4, "time": 3, "contact": 3, "part": 14}
     kinds = dataset["kind"].values
     gap = dataset["gap"].sel(contact=1)

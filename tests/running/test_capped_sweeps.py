@@ -120,6 +120,9 @@ def test_members_of_a_capped_sweep_end_as_alone(method, until, seed):
 @pytest.mark.parametrize("seed", few_of(range(8), range(1)))
 @pytest.mark.parametrize("until", few_of([None, 1e-3], [1e-3]))
 def test_members_of_a_capped_sweep_on_a_grid_end_as_alone(until, seed):
+    """A random family is swept on a grid with several caps on events, at and beside
+    whole steps: each member ends as it does alone.
+    """
     family = family_of(with_masses(seed))
     options = {"method": "finite-difference", "until": until, "cells": 12}
     links = len(family.bodies) + 1  # both ends of the row are links, too

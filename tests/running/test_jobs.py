@@ -38,6 +38,9 @@ class Cluster(Executor):
     """
 
     def __init__(self, workers, members, clock):
+        """A simulated cluster at time 0, whose `workers` are all free, for this number
+        of members.
+        """
         self.workers = workers
         self.clock = clock
         self.free = [0.0] * workers

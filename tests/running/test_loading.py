@@ -69,6 +69,9 @@ def test_permissions_follow_the_umask(tmp_path, mask):
 )
 @pytest.mark.parametrize("force", [False, True])
 def test_paths_where_no_file_can_be_are_refused(tmp_path, name, error, said, force):
+    """`check_target` and `write_text` refuse a path with the same error, which names
+    it, and no file is written.
+    """
     (tmp_path / "file").write_text("kept")
     path = f"{tmp_path}/{name}"
 
@@ -247,6 +250,9 @@ def test_a_saved_solution_is_found_again_bit_for_bit_and_saved_as_the_same_file(
 
 @pytest.mark.parametrize("name", ["inf", "nan"])
 def test_a_name_that_reads_as_a_number_stays_a_name(tmp_path, name):
+    """A material with such a name is saved in a solution and in a family, and loaded
+    with the same system.
+    """
     material = ri.Material(name, youngs_modulus=1.0, density=1.0)
     striker = ri.Rod([0.4, 0.5], area=1.0, material=material, velocity=1.0)
     struck = ri.Rod(1.0, area=1.0, material=material)
@@ -304,6 +310,9 @@ def test_a_solution_is_saved_in_a_toml_file_only(tmp_path):
 
 
 def test_a_solution_is_saved_over_another_file_by_force_only(tmp_path):
+    """Saving over a file raises FileExistsError and leaves it; with force=True it is
+    replaced.
+    """
     solution = ri.solve(ri.System([SHORT, ri.Wall()]))
     path = tmp_path / "run.toml"
     path.write_text("precious")
@@ -362,6 +371,9 @@ FOURTHS = slice(None, None, 4)
 @pytest.mark.exhaustive
 @pytest.mark.parametrize("part", few_of([FOURTHS, slice(None)], [FOURTHS]))
 def test_every_falsified_entry_is_named_with_both_values(tmp_path, part):
+    """Each entry of a saved result is changed in turn: loading warns of exactly this
+    entry, with both values and the line of the call.
+    """
     path = tmp_path / "run.toml"
     result = saved_case().result
     names = ["stopped_by", "final", "method", *result.numbers]
@@ -397,6 +409,9 @@ def test_a_difference_within_the_stated_errors_of_both_runs_is_none(tmp_path):
 
 
 def test_unknown_errors_allow_everything_and_texts_are_not_compared(tmp_path):
+    """A saved result with changed numbers, infinite errors, another version and status
+    is loaded without a warning.
+    """
     path = tmp_path / "run.toml"
     result = saved_case().result
     unknown_errors = dict.fromkeys(result.accuracy, math.inf)
@@ -413,6 +428,9 @@ def test_unknown_errors_allow_everything_and_texts_are_not_compared(tmp_path):
 
 
 def test_many_differences_are_counted_in_a_short_warning(tmp_path):
+    """All numbers of a saved result are changed: the warning names some, counts the
+    others, and has less than 1500 characters.
+    """
     path = tmp_path / "run.toml"
     result = saved_case().result
     for name in result.numbers:
@@ -449,6 +467,9 @@ def test_a_missing_file_and_a_directory_are_errors_of_the_system(tmp_path):
     ids=["empty", "text", "pickle", "npy"],
 )
 def test_files_of_other_kinds_are_refused(tmp_path, name, content):
+    """A file with other contents is refused in the words for its ending; an empty one
+    lacks its schema.
+    """
     path = tmp_path / name
     path.write_bytes(content)
     if name == "a.npz":
@@ -519,6 +540,9 @@ MISTAKES = [
 
 
 def test_all_mistakes_of_a_result_are_reported_at_once():
+    """A saved result gets all of `MISTAKES` and an unknown table: each path has its
+    message, and no other is reported.
+    """
     text = ri.format_case(saved_case())
     for right, wrong, *_ in MISTAKES:
         text = text.replace(right, wrong)
@@ -604,6 +628,9 @@ SHAFTS = {
 
 @pytest.mark.parametrize("name", SHAFTS)
 def test_a_saved_family_of_rods_in_soil_or_with_drag_is_found_again(tmp_path, name):
+    """A swept family of a mass and a pile in this soil or drag is saved and loaded:
+    system and columns are equal.
+    """
     pile = ri.Rod(4.0, area=1e-2, material=STEEL, shaft=SHAFTS[name])
     family = ri.System([ri.RigidMass(100.0, velocity=2.0), pile])
     result = ri.sweep(family, until=1e-3, method="finite-difference", cells=8)
@@ -657,6 +684,10 @@ def test_the_file_of_a_family_opens_with_numpy_and_json_alone(saved):
 
 
 def test_pickled_arrays_are_never_unpickled(saved, tmp_path):
+    """A saved file with a pickled array, among its arrays or as its document, is
+    refused, and the pickle is not run.
+    """
+
     class Bomb:
         def __reduce__(self):
             return os.mkdir, (str(tmp_path / "exploded"),)

@@ -244,6 +244,9 @@ def family_of_network(seed):
 
 @pytest.mark.parametrize("seed", few_of(range(0, 300, 25), range(75, 300, 75)))
 def test_members_of_characteristics_equal_one_at_a_time_compiled_and_plain(seed):
+    """Members of a random family by characteristics equal those solved one at a time,
+    and have the same bits in plain Python.
+    """
     system = family_of_network(seed)
     options = {"method": "characteristics", "until": 1.5, "rtol": 1e-2}
     with kernels.forced(compiling=True):
@@ -318,6 +321,9 @@ def test_a_long_member_goes_on_in_machine_code_to_the_same_bits(monkeypatch):
 
 
 def test_a_single_collision_is_a_family_without_axes():
+    """A sweep of a single system has the shape (), no axes, the restitution of `solve`,
+    and its explanation.
+    """
     system = pair(0.4, 1e-4)
     outcome = ri.solve(system).outcome
 
@@ -392,6 +398,9 @@ def chain():
 @pytest.mark.parametrize("seed", few_of(range(20), [1, 4]))
 @pytest.mark.parametrize("until", few_of([None, 0.0, 1.4e-4, 1.86e-3], [None, 1.4e-4]))
 def test_members_of_random_rows_equal_one_at_a_time(seed, until):
+    """Members of a random family by fronts, compiled or not, equal those solved one at
+    a time; incomplete are exactly those that the cap on events stopped.
+    """
     system = random_family(seed, driven=until is not None)
     options = {"until": until, "max_events": 2000, "method": "fronts"}
     is_compiled = seed % 4 != 0  # one seed in four runs in plain Python
@@ -627,6 +636,9 @@ def test_a_refused_member_has_no_numbers_and_the_others_have_theirs():
 
 
 def test_members_that_do_not_collide_have_no_restitution_and_no_episode():
+    """Of three velocities, one approaches: the other two members have a restitution of
+    nan, no episode, and an explanation; all are final.
+    """
     velocities = np.array([1.0, -1.0, 0.0])  # the second moves away, the third rests
     result = ri.sweep(pair(0.4, 1e-4, velocity=velocities))
     has_no_restitution = np.isnan(result.restitution).tolist()
@@ -790,6 +802,9 @@ def test_a_data_frame_has_a_row_for_each_member(result_of_six):
 
 
 def test_a_dataset_has_coordinates_names_and_units(result_of_six):
+    """The xarray dataset of a map has restitutions by area and length, statuses, and
+    names and units of its variables.
+    """
     pytest.importorskip("xarray")
     data = result_of_six.to_xarray()
     of_thinnest = data["restitution"].sel({"bodies.1.area": 2e-5})
@@ -804,6 +819,9 @@ def test_a_dataset_has_coordinates_names_and_units(result_of_six):
 
 
 def test_a_number_that_varies_is_labelled_in_a_row_of_several_contacts():
+    """In the dataset of three rods, the varied length and the impulse of the second
+    contact have their names.
+    """
     pytest.importorskip("xarray")
     striker = ri.Rod(np.array([0.2, 0.4]), area=1e-4, material=STEEL, velocity=1.0)
     struck = ri.Rod(0.4, area=1e-4, material=STEEL)
@@ -899,6 +917,9 @@ def driven_pair():
 def test_mean_displacements_and_largest_stresses_are_those_of_another_method_and_fields(
     system, until, compiling
 ):
+    """Further readings of a sweep by fronts equal those by characteristics and, for the
+    second member, those from its fields; nothing is dissipated.
+    """
     with kernels.forced(compiling):
         result = ri.sweep(system, until=until, also=ALSO)
 
@@ -1062,6 +1083,9 @@ def test_several_contacts_have_columns_of_their_own():
 
 
 def test_a_law_that_other_processes_cannot_import_is_refused_with_a_remedy():
+    """A sweep with a lambda as its law on a pool of processes is refused with advice,
+    before a process starts.
+    """
     masses = [ri.RigidMass([1.0, 2.0], velocity=1.0), ri.Wall()]
     family = ri.System(masses, contacts=[ri.Law(lambda d, rate: 1e8 * d)])
     remedy = (

@@ -197,6 +197,9 @@ def test_units_and_signs_of_numbers_that_belong_to_no_class():
 
 
 def test_methods_theories_and_defaults_are_those_that_are_known():
+    """The page on case files lists exactly the methods and theories of the package, and
+    the defaults of `Options`.
+    """
     options = ri.Options()
     solve = TABLES["[solve]"].keys
     assert re.findall('"(.*?)"', solve["method"].takes) == [*METHOD_NAMES]

@@ -214,6 +214,9 @@ def test_kinds_of_ends_bear_the_names_of_python():
 
 
 def test_an_end_that_is_moved_by_its_position_has_a_velocity_and_may_vary():
+    """An end with sampled positions is read with the velocity that follows, is equal
+    after writing and reading, and its step may vary.
+    """
     position = 'position = {samples = ["0 mm", "1 mm"], step = "2 ms"}'
     left = LEFT + f"'moved'\n{position}\n"
 
@@ -256,6 +259,9 @@ def test_a_material_has_a_wave_speed_in_place_of_a_modulus_and_either_may_vary()
 
 
 def test_drag_along_rods_is_read_and_written_and_may_vary():
+    """Drag with a unit, and in steps, is read, equal after writing and reading, and may
+    vary by a grid.
+    """
     shaft = '[bodies.shaft]\nkind = "drag"\ncoefficient = '
     steps = "{values = [3, 0], at = ['10 cm']}"
 
@@ -820,6 +826,9 @@ def test_a_case_is_frozen():
     ],
 )
 def test_each_mistake_alone_is_named_with_its_path(text, path, said):
+    """A case file with one mistake is refused at one path with these words; profiles
+    are mentioned only where one is possible.
+    """
     messages = problems(text)
     assert list(messages) == [path]
     assert said in messages[path]

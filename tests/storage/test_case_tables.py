@@ -98,6 +98,9 @@ def test_keys_1200_deep_are_told_shortly(text):
 )
 @pytest.mark.parametrize("number", [10**400, 10**30 - 1])
 def test_integers_of_many_digits_are_refused_shortly(key, number):
+    """A number of many digits for an option is refused at its path in less than 250
+    characters.
+    """
     if number < 10**31 and key in ("until", "dt", "rtol"):
         # These are floats, and large ones are right: it is refused for its sign.
         number = -number

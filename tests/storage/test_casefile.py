@@ -126,6 +126,9 @@ def test_files_that_are_no_toml_are_refused_with_the_line(tmp_path, content, sai
 
 
 def test_written_cases_read_back_equal():
+    """A case with options, a strange file name and two gauges is equal after writing
+    and reading.
+    """
     case = Case(
         ri.System([ROD]),
         solve={"until": 1e-3, "method": "fronts", "max_events": 5},

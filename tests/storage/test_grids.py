@@ -557,6 +557,9 @@ def test_mistakes_of_grids_are_named(text, path, grid, where, said):
 @pytest.mark.parametrize("entry", ["area = 1e-4", "diameter = 0.01"])
 @pytest.mark.parametrize("varied", [("area", "diameter"), ("area",), ("diameter",)])
 def test_of_area_and_diameter_only_the_one_in_the_file_may_vary(entry, varied):
+    """Grids over area, diameter or both: only that over the number in the file alone
+    makes a family; the others are refused.
+    """
     text = HEAD + A_ROD.replace("area = 1e-4", entry)
     vary = {f"bodies.0.{name}": "0.01,0.02" for name in varied}
     name_in_file, _, _ = entry.partition(" ")
@@ -757,6 +760,9 @@ HEIGHTS = np.array([0.5, 1.0, 1.5])  # m
     ],
 )
 def test_a_list_or_an_array_takes_the_place_of_a_grid(grid, values):
+    """Velocities as a list or an array, beside a grid of lengths, are read with their
+    unit, and the last member has the last one.
+    """
     vary = {"bodies.1.length": "10,20", "bodies.0.velocity": grid}
 
     case = parse_case(PILE, vary=vary)

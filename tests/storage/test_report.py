@@ -35,6 +35,9 @@ def outcome_of(solution):
 def test_a_table_has_masses_velocities_contacts_and_energies_with_units(
     unequal_solution,
 ):
+    """The printed outcome of two unequal rods has these cells for bodies, contact, e
+    and energy, and ends with the status.
+    """
     text = str(unequal_solution.outcome)
     # mass, velocity before and after, vibration energy
     assert cells(text, "rod 1 ") == ["0.314 kg", "1 m/s", "0 m/s", "0 J"]
@@ -98,6 +101,9 @@ def test_differences_show_beside_a_large_common_velocity():
 
 
 def test_undefined_restitution_is_a_dash_with_its_reason():
+    """Rods that move apart: the table has "-" for e and the reason, JSON None and the
+    reason.
+    """
     solution = ri.solve(ri.System([rod(0.4, -1.0), rod(1.0)]))
     outcome = solution.outcome
 
@@ -147,6 +153,9 @@ def test_a_table_has_dashes_for_masses_of_walls_and_episodes_of_bonds(bonded_sol
 
 
 def test_json_has_no_mass_of_a_wall_and_no_peak_force_of_a_bond(bonded_solution):
+    """In JSON, the mass of a wall and the peak force of a bond are None; contacts say
+    whether they are bonded, and count episodes.
+    """
     in_json = outcome_of(bonded_solution)
     wall, *_ = in_json["bodies"]
     bond, contact, last_contact = in_json["contacts"]
@@ -185,6 +194,9 @@ def test_a_long_list_of_episodes_is_cut_and_counted(ball_solution):
 
 
 def test_the_last_episode_of_a_ball_tells_when_it_came_to_rest(ball_solution):
+    """A ball with e = 0.8 falls from 1 m: its last episode, in the solution and in the
+    printed list, starts at the sum of all flights.
+    """
     (contact,) = ball_solution.contacts
     fall = math.sqrt(2 * 1.0 / 9.81)  # s, from 1 m
     e = 0.8
@@ -201,6 +213,9 @@ def test_the_last_episode_of_a_ball_tells_when_it_came_to_rest(ball_solution):
 
 
 def test_single_episodes_of_many_contacts_are_cut_and_counted():
+    """20 contacts with an episode each: the printed solution ends their list with "...
+    and N more".
+    """
     # The pulse passes each of the 20 contacts of equal rods once.
     n_contacts = 20
     striker = rod(0.1, 1.0)
