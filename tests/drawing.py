@@ -36,7 +36,7 @@ def corners(picture):
 
 
 def top_of(band):
-    """Upper edge of a band as {time: value}."""
+    """Upper edge of a filled band, as {time: value}."""
     points = band.get_paths()[0].vertices  # [corner, (time, value)]
     times = points[:, 0]
     edge = {}
@@ -46,7 +46,7 @@ def top_of(band):
 
 
 def legend(drawn):
-    """Texts of the legend of a picture or an Axes, none if there is none."""
+    """Texts of the legend of a picture or an Axes, as a list; empty without a legend."""
     shown = getattr(drawn, "ax", drawn).get_legend()
     if shown is None:
         return []
@@ -67,7 +67,7 @@ def vector_file(draw, folder):
 
 
 def axis_texts(axis):
-    """The label of an axis, and the labels of its ticks that lie in view."""
+    """Texts (artists) of an axis: its label, and the labels of its ticks within view."""
     texts = [axis.label]
     low, high = sorted(axis.get_view_interval())
     for tick in [*axis.get_major_ticks(), *axis.get_minor_ticks()]:
@@ -77,7 +77,7 @@ def axis_texts(axis):
 
 
 def written(figure):
-    """Texts (artists) that are to be read on a drawn figure, none of them empty."""
+    """Texts (artists) of a drawn figure that are visible and not empty."""
     texts = list(figure.texts)
     for ax in figure.axes:
         texts += [*ax.texts, ax.title, ax._left_title, ax._right_title]

@@ -48,7 +48,7 @@ def random_state(rng, length, scale):
 
 
 def random_segment(rng):
-    """A segment whose length is a multiple of `STEP` in half of the cases."""
+    """A random segment; in half of the cases its length is a multiple of `STEP`."""
     if rng.random() < 0.5:
         length = rng.integers(4, 33) / 32
     else:
@@ -121,7 +121,9 @@ def random_law(rng, left, right):
 
 
 def random_drive(rng, scale):
-    """A number, steps or samples of time, with values between -scale and scale."""
+    """A random function of time: a number, steps or samples, with values within
+    +-scale.
+    """
     kind = rng.integers(3)
     if kind == 0:
         return float(scale * rng.uniform(-1, 1))
@@ -132,7 +134,9 @@ def random_drive(rng, scale):
 
 
 def random_end(rng, body, driven):
-    """A random end of a row beside its last body."""
+    """A random end of a row at this outermost body, free at a wall; only a driven row
+    has pushed, moved or incoming ends.
+    """
     if isinstance(body, ri.Wall):
         return ri.Free()  # a wall is an end itself, and takes no other
     kinds = [ri.Free, ri.Free]
@@ -226,7 +230,7 @@ def shifted_end(end, v):
 
 
 def shifted_profile(profile, v):
-    """A velocity, steps or samples of it, greater by v, m/s."""
+    """A velocity, a number, steps or samples, that is larger by v, m/s."""
     if isinstance(profile, ri.Steps):
         return ri.Steps([value + v for value in profile.values], profile.at)
     if isinstance(profile, ri.Samples):

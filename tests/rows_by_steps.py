@@ -92,6 +92,9 @@ class Line:
     """
 
     def __init__(self, transit, value):
+        """A line with a transit time, s, whose wave had this constant value, m/s,
+        before time 0.
+        """
         coefficients = np.zeros(STAGES)
         coefficients[0] = value
         self.transit = transit
@@ -99,11 +102,11 @@ class Line:
         self.reading = 0
 
     def known_until(self):
-        """Time until which what arrives is known, s."""
+        """Time until which the arriving wave is known, s."""
         return self.cells[-1].stop + self.transit
 
     def move_on(self, time):
-        """Let reading begin with the cell that arrives just after `time`."""
+        """Skip the cells that have arrived by `time`; the last cell is never skipped."""
         last = len(self.cells) - 1
         sent_at = time - self.transit
         while self.reading < last and self.cells[self.reading].stop <= sent_at:
@@ -120,7 +123,9 @@ class Line:
         return end
 
     def breaks_at(self, time):
-        """Whether a breakpoint arrives just at `time`."""
+        """Whether the cell that is read has a breakpoint at its start, which arrives
+        exactly at `time`.
+        """
         cell = self.cells[self.reading]
         return cell.starts_at_break and cell.start + self.transit == time
 
@@ -196,7 +201,10 @@ class Link:
         return top / (1 + np.abs(elastic) * self.damping * self.mobility)
 
     def overlap_rate(self, closing, force):
-        """Rate of the overlap, m/s, from the closing rate without the own force."""
+        """Rate of the overlap, m/s, with the own force, N, from the closing rate
+        without it: 0 for a rigid contact that presses, and that of the elastic part in
+        the plastic state.
+        """
         if self.rigid and self.state == PRESSED:
             return np.zeros_like(closing)
         rate = closing - self.mobility * force
@@ -231,7 +239,9 @@ class Link:
         return [left]
 
     def change_to(self, state, time, force):
-        """Take on a state at `time`, at which the force is this one, N."""
+        """Change to `state` at `time`, s. The force, N, becomes the strength if the
+        link was plastic; on closing and opening the overlap is 0.
+        """
         if self.state == PLASTIC:
             self.strength = force
         if state == OPEN:
@@ -386,7 +396,9 @@ class Row:
                 node.links[-1].mobility += node.mobility[1]
 
     def _lines_of(self, rod):
-        """Its line to the right, its line to the left, and its mobility, m/s/N."""
+        """Lines of a rod to the right and to the left, and the mobility of its ends,
+        m/s/N.
+        """
         (segment,) = rod.segments
         speed = segment.material.wave_speed
         transit = segment.length / speed
@@ -413,7 +425,9 @@ class Row:
         self.nodes.append(node)
 
     def run(self, until):
-        """Carry all nodes to a time, s; return the row."""
+        """Solve cell by cell until all nodes have reached the time `until`, s; return
+        the row.
+        """
         while True:
             node = min(self.nodes, key=lambda node: node.time)
             if node.time >= until:
@@ -594,7 +608,11 @@ class Row:
         return first
 
     def _enter(self, node, start, stop, solved, breaks):
-        """Send what leaves, and add up what the links and masses did."""
+        """Enter a solved cell from `start` to `stop`: append the leaving waves to their
+        lines, update overlaps, impulses, peaks and durations of the links and speeds of
+        the masses, and put the node at `stop`. `breaks`: whether the waves have a break
+        at `start`.
+        """
         half = 0.5 * (stop - start)
         for side in (0, 1):
             if not node.leaving[side]:
@@ -686,7 +704,9 @@ def root(values, low, high):
 
 
 def maximum(values):
-    """Largest value of the polynomial with these values at the Gauss points."""
+    """Largest value, on a cell, of the polynomial with these values at the Gauss
+    points.
+    """
     coefficients = FROM_VALUES @ values
     places = np.linspace(-1, 1, 400)
     best = int(np.argmax(evaluate(coefficients, places)))

@@ -41,7 +41,7 @@ def random_profile(rng, length, scale):
 
 
 def random_segment(rng, unit):
-    """A segment with a length of one to eight units."""
+    """A random segment, whose length is one to eight times `unit`."""
     material = MATERIALS[rng.integers(len(MATERIALS))]
     length = float(unit * rng.integers(1, 9))
     area = float(rng.uniform(0.3, 3) * 1e-4)

@@ -45,7 +45,7 @@ QUICK = [part for part in PARTS if part not in LONG]
 
 
 def assert_examples_hold(module):
-    """In a module and all below it."""
+    """Run the examples in the docstrings of a module and of all modules below it."""
     assert doctest.testmod(module).failed == 0
     for part in pkgutil.iter_modules(getattr(module, "__path__", ())):
         below = importlib.import_module(f"{module.__name__}.{part.name}")
@@ -125,7 +125,7 @@ def test_the_manual_lists_every_public_name():
 
 
 def public_names():
-    """Names of the manual's list, each with what it stands for."""
+    """Pairs of a name in the list of the manual and the object that it stands for."""
     listed = (ROOT / "docs" / "api.md").read_text("utf-8")
     for name in re.findall(r"^   (\w+[.\w]*)$", listed, re.M):
         public = rodimpact

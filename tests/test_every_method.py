@@ -225,7 +225,9 @@ def test_energies_momenta_gaps_and_strains_fit_together(method, seed, driven):
 
 
 def assert_contacts_are_alike(contacts, others, times, near):
-    """Gaps at these times and impulses at the end are equal to within `near`."""
+    """Gaps at these times, and impulses at the end, of two runs are equal to within
+    `near`.
+    """
     for contact, other in zip(contacts, others, strict=True):
         gap = contact.gap(times)
         assert other.gap(times) == pytest.approx(gap, abs=near)

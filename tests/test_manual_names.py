@@ -60,7 +60,7 @@ def code_spans(text):
 
 
 def attribute_exists(path):
-    """Whether a dotted path of the package leads to something."""
+    """Whether a dotted path leads, from the package on, to a module or an attribute."""
     public = rodimpact
     for name in path.split("."):
         fields = getattr(public, "__annotations__", {})
@@ -80,7 +80,9 @@ def is_set_by_constructor(public, name):
 
 
 def mentions(find):
-    """Pairs of a page and what a function finds in its text."""
+    """Pairs of the name of a page and a thing that `find` finds in its text, sorted,
+    each once.
+    """
     pairs = []
     for page in PAGES:
         for mention in sorted(set(find(page.read_text("utf-8")))):
@@ -89,7 +91,7 @@ def mentions(find):
 
 
 def each_page(find):
-    """Cases for `parametrize`: what a function finds in the text of each page."""
+    """Parameters, with ids, for a test of each thing that `find` finds on each page."""
     cases = []
     for page, mention in mentions(find):
         cases.append(pytest.param(mention, id=f"{page}: {mention}"[:80]))
@@ -97,7 +99,9 @@ def each_page(find):
 
 
 def names_of_package(text):
-    """Dotted names below the package, in roles and in code."""
+    """Dotted names of things of the package, without "rodimpact.", from roles and from
+    code between backquotes.
+    """
     roles = re.findall(r"\{(?:func|class|meth|mod|attr)\}`[^`<]*?<?~?([\w.]+)>?`", text)
     names = [role.removeprefix("rodimpact.") for role in roles]
     for span in code_spans(text):

@@ -41,7 +41,9 @@ def numbers_in(text):
 
 
 def parts_of(file):
-    """Parts of a figure in an SVG file."""
+    """`Parts` of a figure in an SVG file: its title, words, numbers, positions of the
+    texts, and extents of the paths.
+    """
     root = ElementTree.parse(file).getroot()
     words = []
     numbers = []

@@ -148,7 +148,7 @@ def test_waves_of_a_mirror_image_are_exactly_mirrored(row, seed):
 
 
 def rescaled_profile(profile, length, velocity):
-    """A number or steps with places times `length`, and values times `velocity`."""
+    """A profile with values times `velocity` and, for steps, positions times `length`."""
     if isinstance(profile, ri.Steps):
         values = [velocity * value for value in profile.values]
         places = [length * place for place in profile.at]

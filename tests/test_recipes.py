@@ -590,7 +590,7 @@ def run_in(folder, *arguments):
 
 
 def carry_out(edits, copy):
-    """Edit files of a copy of the package."""
+    """Make the edits of a recipe in a copy of the package."""
     for name, replacements in edits.items():
         path = copy / place_of(name)
         for before, after in replacements:

@@ -85,7 +85,9 @@ def test_the_verdicts_tell_what_fails_and_a_page_has_its_title():
 
 
 def assert_written(row, line):
-    """A row is as its page shows it, as far as bound and rounding allow."""
+    """A computed row equals the written one, as far as its bound and the rounding of
+    the page allow.
+    """
     case, quantity, source, expected, got, bound = line
     assert (case, quantity, source) == (row.case, row.quantity, row.source)
     assert float(bound) == pytest.approx(row.bound, rel=0.05)  # two digits are shown

@@ -17,7 +17,9 @@ STEEL = ri.materials.steel
 
 
 def row(lengths, areas, material=UNIT, **settings):
-    """Rods in a row, the first one of which moves with 1 m/s; not solved."""
+    """A system of rods with these lengths and areas, of which the first moves at 1 m/s;
+    `settings` are those of `System`; not solved.
+    """
     rods = []
     velocity = 1.0
     for length, area in zip(lengths, areas, strict=True):
@@ -346,7 +348,9 @@ def random_row(rng, count):
 
 
 def check_formula_at_its_system(form, collision):
-    """The formula agrees with the run; on a border, one of the formulas does."""
+    """Assert that the formula, at the numbers of its own system, agrees with the exact
+    run; on a border, one of the formulas on its sides must.
+    """
     if form.holds():
         assert form.at() == collision
         return

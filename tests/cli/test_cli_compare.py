@@ -35,7 +35,9 @@ BRIDGE = ["--gauge-factor", "2", "--excitation", "5"]
 
 
 def record_of(solution, x, rng):
-    """A gauge of the bar, later, in volts of a half bridge, with noise."""
+    """Signal of a gauge at x of the bar, later by `DELAY`, in volts of a half bridge,
+    with noise.
+    """
     strain = solution.gauge(1, x).signal(1e-7).window(0.0, 2.9e-4).shifted(DELAY)
     noise = ri.Signal(1e-4 * rng.normal(size=len(strain)), strain.times)
     volts = strain / STRAIN_PER_VOLT + noise

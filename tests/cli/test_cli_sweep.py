@@ -61,7 +61,9 @@ def refused(refuses):
 
 
 def lines_of(text, start):
-    """Lines that begin with some words, without the blanks between words."""
+    """Lines of a text that begin with `start`, each with single blanks between its
+    words.
+    """
     lines = []
     for line in text.splitlines():
         if line.lstrip().startswith(start):

@@ -60,7 +60,7 @@ def folder(tmp_path, monkeypatch):
 
 
 def printed_by(capsys, text, command, *options):
-    """All that a call on a case of this text prints."""
+    """Standard output and standard error of a command on a case file with this text."""
     Path("case.toml").write_text(text)
     main([command, "case.toml", *options])
     printed = capsys.readouterr()

@@ -60,7 +60,9 @@ def designed(wanted, **options):
 
 
 def areas(design):
-    """Areas of the segments of the striker, from the struck end on, m^2."""
+    """Areas of the segments of the designed striker, m^2, from its struck end
+    backwards.
+    """
     striker = design.system.bodies[0]
     values = [segment.area for segment in striker.segments]
     from_left = np.array(values)

@@ -222,7 +222,7 @@ def test_energies_on_the_page_are_those_of_the_ledger(solved_twice, motion):
 
 
 def case_with(path, value):
-    """A case of two rods and a wall with another number at a path."""
+    """A case of two rods and a wall, as a dict, whose number at a path is `value`."""
     case = {
         "schema": 1,
         "bodies": [{**ROD}, {**ROD, "velocity": 0.0}, {**WALL}],

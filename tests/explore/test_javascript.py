@@ -63,7 +63,9 @@ def shifts(a, k):
 
 
 def of_numbers(x):
-    """Results of functions that JavaScript must compute as Python does."""
+    """Results of functions of a number x, as a list, which JavaScript must compute as
+    Python does.
+    """
     return [
         math.frexp(x)[0],
         math.frexp(x)[1],
@@ -443,7 +445,9 @@ def plain(value):
 
 
 def assert_alike(page, python, path=""):
-    """Texts are equal and numbers as near as what is drawn."""
+    """The answer of the page has all entries of that of Python: equal texts, and
+    numbers equal to 1e-7.
+    """
     if isinstance(python, dict):
         assert set(page) >= set(python), path
         for key, value in python.items():
@@ -503,7 +507,7 @@ PAGE_SCRIPTS = (
 
 
 def answers(function, designs):
-    """Results of a function of the page for designs."""
+    """Results of a function of the page, run in JavaScript for each of the designs."""
     script = "\n".join(map(read, PAGE_SCRIPTS))
     script += f"""
     const setTimeout = () => 0;  // curves are solved at rest, of the design on the page

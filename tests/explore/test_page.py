@@ -72,7 +72,9 @@ def url(tmp_path_factory):
 
 @pytest.fixture
 def solved(tmp_path):
-    """Function that writes the page of a system, and returns its address."""
+    """A function that writes a page with this system as its case, and returns the
+    address.
+    """
 
     def write(system, **solve):
         path = tmp_path / f"page-{len([*tmp_path.iterdir()])}.html"
@@ -406,7 +408,9 @@ def test_pointing_reads_the_velocity_of_the_solution_or_that_no_rod_is_there(vis
 
 
 def turn_the_wheel_on_the_diagram(page):
-    """Zoom in by the wheel of the mouse."""
+    """Zoom in by turning the wheel over the diagram; then move the mouse away and wait
+    until it is painted.
+    """
     page.hover("#diagram")
     page.mouse.wheel(0, -400)
     # The mouse leaves, since its reading would change the picture.
@@ -1795,7 +1799,7 @@ def test_a_label_without_room_is_left_out_and_the_others_stay(visit, solved):
 
 
 def ask_question(page):
-    """Put a question above a page, and go on in the film."""
+    """Type a question above the page, and move the film away from its start."""
     open_menu(page)
     page.click("#ask")
     page.locator("#question").fill("What happens?")

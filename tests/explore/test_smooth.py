@@ -37,7 +37,9 @@ def random_law(rng):
 
 
 def random_row(seed):
-    """Two to four rods, masses and walls, with compliant contacts or masses."""
+    """A case of two to four random bodies, sometimes with a wall behind them; contacts
+    are compliant, or rigid beside a rod; some cases have an end, `until`. Not solved.
+    """
     rng = np.random.default_rng(seed)
     bodies = []
     for i in range(rng.integers(2, 5)):
@@ -221,7 +223,9 @@ def check_contacts(page, solution):
 
 
 def check_energies(page, outcome):
-    """Energies on the page are those of an outcome, within the stated error."""
+    """Assert that the energies on the page are those of an outcome: before to 1e-12,
+    after within the stated error.
+    """
     before = outcome.kinetic_before + sum(outcome.vibration_before)
     assert page["energy_before"] == pytest.approx(before, rel=1e-12)
     vibration = sum(outcome.vibration_after)

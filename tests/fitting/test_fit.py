@@ -44,7 +44,9 @@ def rods(length=0.2, velocity=10.0, material=STEEL, **settings):
 
 
 def record(system, noise=0.0):
-    """Strain at the gauge, with white noise of this standard deviation."""
+    """Strain of a system at the gauge, a signal, with white noise of this standard
+    deviation.
+    """
     solution = ri.solve(system, until=UNTIL)
     gauge = solution.gauge(*GAUGE)
     signal = gauge.signal(INTERVAL, name="gauge")
@@ -214,7 +216,9 @@ def shot():
 
 @pytest.fixture(scope="module")
 def tied_fit(shot):
-    """Fit of one gain, one shift and one blur of both records."""
+    """Fit of the length of the striker, and of one gain, one shift and one blur for
+    both records of a shot.
+    """
     vary = {
         LENGTH: (0.1, 0.4),
         "records.*.gain": None,
@@ -487,7 +491,9 @@ def derivatives_of(objective, point):
 
 
 def coloured(random, n, steps):
-    """Noise of variance 1 whose correlation falls to 1/e within so many steps."""
+    """n samples of noise of variance 1, whose correlation falls to 1/e within `steps`
+    samples.
+    """
     correlation = 0.0  # of neighbouring samples
     if steps > 0:
         correlation = math.exp(-1 / steps)

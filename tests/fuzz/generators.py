@@ -27,7 +27,7 @@ MOST_CHARACTERS = 2000  # of a message
 
 @contextmanager
 def patience(seconds=PATIENCE):
-    """Let the block fail if it takes longer, on systems that have such an alarm."""
+    """In the block: fail after `seconds`; without effect on systems that have no alarm."""
 
     def hung(*_):
         raise AssertionError(f"it takes more than {seconds} s")
@@ -157,7 +157,7 @@ def random_number(rng, near="1"):
 
 
 def spoilt_text(rng, text):
-    """A text with a few pieces of it replaced, left out, doubled or exchanged."""
+    """The text with a few random pieces replaced, left out, doubled or exchanged."""
     tokens = TOKEN.findall(text)
     for _ in range(rng.geometric(0.5)):
         i, j = rng.integers(len(tokens), size=2).tolist()

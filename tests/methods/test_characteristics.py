@@ -384,7 +384,7 @@ TABLE_F = np.array([0.0, 0.5, 0.8, 2.5])  # and its forces, N
 
 
 def peak_force_of_table(energy):
-    """Force of the table at which the work up to there is this energy, J."""
+    """Force of the tabulated law, N, up to which its work is this energy, J."""
     widths = np.diff(TABLE_X)
     mean_forces = (TABLE_F[1:] + TABLE_F[:-1]) / 2
     works_of_lines = widths * mean_forces

@@ -104,7 +104,7 @@ def expected_sway(parts, wall_velocity):
 
 
 def wall_velocities(system, group):
-    """Velocities of the walls of a group."""
+    """Velocities of the walls among the bodies of a group, as a list, m/s."""
     velocities = []
     for i in group:
         body = system.bodies[i]

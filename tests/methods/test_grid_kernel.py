@@ -29,7 +29,9 @@ SEEDS = st.integers(0, 10**6)
 
 
 def bits(run):
-    """Bytes of each array of the state and of the history, by its name."""
+    """{name: bytes} of all arrays of the state and of the history of a run, except
+    where it was stopped and continued.
+    """
     arrays = run.grid._asdict()
     arrays |= run.history._asdict()
     del arrays["run"]  # it says where the run was stopped and continued
@@ -37,7 +39,9 @@ def bits(run):
 
 
 def run_and_prove(system, compiling):
-    """Bits of a run of 48 steps, and the time that its proof states."""
+    """`bits` of a run of 48 steps, and the time at which its proof says that it is
+    over.
+    """
     with kernels.forced(compiling):
         run = grid_run(system, room=48)
         run.advance(48)

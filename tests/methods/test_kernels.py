@@ -26,7 +26,7 @@ from rodimpact.running import warming
 
 
 def ticks_of(durations):
-    """Ticks of some durations, and how many the longest would take unrounded."""
+    """Ticks of each duration, and the unrounded number of ticks of the longest one."""
     spans = blank(len(durations), DURATION)
     for span, duration in zip(spans, durations, strict=True):
         span.time = duration
@@ -185,7 +185,7 @@ JOB = 0.125  # s, that a job would take in plain Python
 
 
 def spent_before_compiling(kernel):
-    """Seconds of plain Python until jobs run compiled."""
+    """Seconds of jobs in plain Python until the next job is worth compiling the kernel."""
     count = 0
     while not kernels.worth_compiling(JOB, kernel):
         count += 1

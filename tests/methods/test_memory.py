@@ -31,7 +31,7 @@ ROWS = {
 
 
 def peak_bytes(call):
-    """Bytes that a call has taken at most at one time."""
+    """Largest number of bytes that a call has taken at any one time."""
     tracemalloc.start()
     try:
         call()

@@ -40,7 +40,9 @@ def rows(count, usual):
 
 @functools.cache
 def solved_by_steps(kind, seed):
-    """A random row, the end of its run, and its outcome by the method of steps."""
+    """A random compliant row of this kind, the end of its run, s, and its `Totals` by
+    the method of steps.
+    """
     system, until = random_compliant_row(kind, seed)
     until = min(until, LONGEST)
     outcome = solve_by_steps(system, until, 1e-11)

@@ -39,7 +39,7 @@ def random_series(seed, n=POINTS):
 
 
 def record_with(record, **fields):
-    """An object with the fields of a record; those that are not given are 0."""
+    """An object with the fields of a record: those given, and 0 for all others."""
     zeros = np.zeros(1, record)
     (blank,) = record_lists.as_objects(zeros)
     for name, value in fields.items():
@@ -526,7 +526,7 @@ def wave_with_a_jump_and_a_kink():
 
 
 def values_at_ends(wave):
-    """Values at the begin and the end of each piece."""
+    """Values of a wave at the start and at the end of each piece, one after the other."""
     values = []
     for c in wave["coefficients"]:
         values.append(chebyshev.chebval(-1, c))

@@ -13,7 +13,9 @@ import rodimpact as ri
 
 
 def balls(n, law, gaps=None):
-    """Equal masses of 1 kg in a row, of which the first moves at 1 m/s."""
+    """A system of n masses of 1 kg, of which the first moves at 1 m/s, with this law at
+    each contact; not solved.
+    """
     striker = ri.RigidMass(1.0, velocity=1.0)
     resting = ri.RigidMass(1.0)
     n_struck = n - 1  # also the number of contacts

@@ -71,7 +71,9 @@ def family():
 
 
 def totals_of(result):
-    """Velocities after and totals of contacts of all members, each a list."""
+    """Velocities after, and totals of the contacts, of all members of a sweep, as
+    lists.
+    """
     columns = [velocities.tolist() for velocities in result.velocities_after]
     for contact in result.contacts:
         for name in ("impulse", "peak_force", "duration", "episodes"):

@@ -201,7 +201,9 @@ class Reference:
             right.a.set_from(self.t, b + 2 * F / right.Z)
 
     def next_time(self, until):
-        """When the next wave arrives or the next gap closes."""
+        """Time, a fraction, at which the next wave arrives or the next gap closes,
+        `until` at the latest.
+        """
         times = [until]
         for segment in self.segments:
             left = self.t - segment.T  # when a wave left that arrives now
@@ -214,7 +216,9 @@ class Reference:
         return min(times)
 
     def run(self, until, cap=1500):
-        """Go on to t = until; False if that takes more than `cap` events."""
+        """Follow the row until t = `until`, exactly; False, and no further, if that
+        takes more than `cap` events.
+        """
         for _ in range(cap):
             for k in range(len(self.laws)):
                 self.solve(k)
@@ -231,14 +235,18 @@ class Reference:
         return False
 
     def state(self, index, part, t):
-        """Velocity and strain in a segment, at a part of its length from its left."""
+        """Velocity and strain in segment `index`, at `part` of its length from its left
+        end, at time t.
+        """
         segment = self.segments[index]
         a = segment.a.at(t - part * segment.T)
         b = segment.b.at(t - (1 - part) * segment.T)
         return (a + b) / 2, (b - a) / (2 * segment.c)
 
     def mean_velocity(self, first, last):
-        """Velocity of the centre of mass of the segments from first to last - 1."""
+        """Mean velocity, by mass, of the segments from `first` to `last` - 1 at the
+        present time.
+        """
         momentum = Fraction(0)
         mass = Fraction(0)
         for segment in self.segments[first:last]:
@@ -339,7 +347,7 @@ def assert_contacts_agree(solution, reference):
 
 
 def rods_of(system, reference):
-    """Index, first segment, and rod of each body that is a rod."""
+    """Yield body index, index of its first segment, and rod, for each rod of a system."""
     for body, first in enumerate(reference.first):
         rod = system.bodies[body]
         if isinstance(rod, ri.Rod):
@@ -355,7 +363,9 @@ def assert_motion_agrees(solution, reference):
 
 
 def assert_fields_agree(solution, reference, pick):
-    """At eight random places and times in each segment."""
+    """Velocities and strains of a solution are those of the reference, at eight random
+    positions and times in each segment.
+    """
     for body, first, rod in rods_of(solution.system, reference):
         left = 0.0
         for i, segment in enumerate(rod.segments):

@@ -60,7 +60,9 @@ class Counts(NamedTuple):
 
 
 def count_references(dispatcher):
-    """Counts in all machine code of a compiled function, whatever the arguments."""
+    """Numbers of increments and decrements of reference counts in the machine code of a
+    compiled function, over all its signatures.
+    """
     code = "\n".join(dispatcher.inspect_llvm().values())
     return Counts(
         increments=len(re.findall(r"call void @NRT_incref", code)),

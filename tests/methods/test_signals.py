@@ -110,7 +110,9 @@ def random_pieces(seed, size=9, count=6):
 
 
 def exact_value(polynomials, t):
-    """Value at t ticks since LATE; the first and the last value hold outside."""
+    """Value of piecewise polynomials at t ticks after LATE; outside of them, their
+    first or last value.
+    """
     first = polynomials[0].domain[0]
     last = polynomials[-1].domain[1]
     inside = min(max(t, first), last)
@@ -127,7 +129,9 @@ def breaks_of(polynomials):
 
 
 def integrated(function, start, stop, breaks):
-    """Integral from start to stop by SciPy, from break to break."""
+    """Integral of a function from start to stop by SciPy, over each part between
+    breaks.
+    """
     inside = [t for t in breaks if start < t < stop]
     total = 0.0
     edges = sorted({start, *inside, stop})

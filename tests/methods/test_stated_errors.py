@@ -23,7 +23,7 @@ def by_characteristics(system, until, rtol=None):
 
 
 def row_of(kind, seed):
-    """A random row, and the time to which to run it, s."""
+    """A random row of this kind, and the time until which it is run, s."""
     if kind not in ("network", "driven network"):
         return random_compliant_row(kind, seed)
     driven = kind == "driven network"
@@ -80,7 +80,9 @@ def errors_of(solution, exact):
 
 
 def assert_bounded(system, until, rtol):
-    """Errors of a run, beside a finer one, are at most what both runs state."""
+    """A run differs from one of a smaller rtol by no more than both runs state as their
+    errors.
+    """
     solution = by_characteristics(system, until, rtol)
     exact = by_characteristics(system, until, EXACT_RTOL)
     errors = errors_of(solution, exact)

@@ -311,7 +311,7 @@ def test_mirrors_turn_tapers():
 
 
 def integral_of_steps(steps, start, end):
-    """Integral of steps from start to end: the sum of values times widths."""
+    """Integral of a step profile from start to end: the sum of values times widths."""
     jumps = [x for x in steps.at if start < x < end]
     total = 0.0
     for a, b in pairwise([start, *jumps, end]):

@@ -115,7 +115,9 @@ def declared(examples):
 
 
 def refuses(make, value, message):
-    """Whether a value is refused, in a sentence that bears the message."""
+    """Whether `make(value)` raises ValueError with a sentence that matches `message`;
+    False if the value is taken.
+    """
     try:
         make(value)
     except ValueError as error:
@@ -356,7 +358,7 @@ def test_every_number_of_the_model_takes_an_array_with_a_unit(quantity):
 
 
 def subclasses(kind):
-    """A class and all that are derived from it."""
+    """A class and all its subclasses, at any depth."""
     kinds = {kind}
     for subclass in kind.__subclasses__():
         kinds |= subclasses(subclass)

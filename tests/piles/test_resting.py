@@ -15,7 +15,9 @@ UNTIL = 0.02  # s
 
 
 def largest_velocity(system, body, cells):
-    """Largest speed of a rod and of the body before it in a run of 20 ms, m/s."""
+    """Largest speed, m/s, of a rod and of the body before it in a run of 20 ms on a
+    grid.
+    """
     run = ri.solve(system, until=UNTIL, cells=cells)
     t = np.linspace(0.0, UNTIL, 50)
     length = float(system.bodies[body].length)

@@ -95,7 +95,7 @@ def diagram_of(film):
 
 
 def row_of(film):
-    """The Axes of the bodies, above the space-time diagram."""
+    """The Axes of a film in which the bodies move, above the space-time diagram."""
     diagram = diagram_of(film)
     shared = diagram.get_shared_x_axes()
     for ax in film.figure.axes[1:]:
@@ -126,7 +126,7 @@ def colour_of(film, field, value):
 
 
 def texts_on(film):
-    """Texts inside all Axes of a film."""
+    """All texts inside the Axes of a film, as strings."""
     texts = []
     for ax in film.figure.axes:
         texts += texts_of(ax.texts)

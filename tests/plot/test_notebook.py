@@ -21,7 +21,7 @@ TABLE = re.compile(r'<pre style="white-space: pre;[^>]*>(.*)</pre>$', re.DOTALL)
 
 
 def description(html):
-    """The words that stand for the picture; None without a picture."""
+    """The alternative text of the picture in an HTML text; None without a picture."""
     picture = PICTURE.search(html)
     if picture is None:
         return None

@@ -877,7 +877,7 @@ def test_slivers_between_random_fronts_are_drawn_without_complaint(draw):
 
 
 def words_of_axis(axis):
-    """The label of an axis, and the labels of its ticks that are in view."""
+    """Texts (artists) of an axis: its label, and the labels of its ticks within view."""
     low, high = axis.get_view_interval()
     words = [axis.label]
     for tick in (*axis.get_major_ticks(), *axis.get_minor_ticks()):
@@ -887,7 +887,7 @@ def words_of_axis(axis):
 
 
 def boxes_of_words(figure):
-    """Boxes around the title of a page and all words of its axes."""
+    """Boxes, in pixels, around the title of a page and all texts of its axes."""
     words = [figure._suptitle]
     for ax in figure.axes:
         words += words_of_axis(ax.xaxis)
@@ -957,7 +957,7 @@ def test_overview_says_that_it_shows_a_part(solved, monkeypatch):
 
 
 def axes_titled(figure, title):
-    """The Axes of a figure whose title on the left begins like this."""
+    """The Axes of a figure whose left title begins with `title`."""
     for ax in figure.axes:
         if ax.get_title(loc="left").startswith(title):
             return ax

@@ -203,7 +203,7 @@ def words_along_fronts(picture):
 
 
 def half_width(word, dpi):
-    """An upper bound of half of the width of a turned Text, in pixels."""
+    """Upper bound of half the width, in pixels, of a text that is turned."""
     angle = np.radians(word.get_rotation())
     height = word.get_fontsize()  # points
     mean_width_of_letter = 0.55 * height

@@ -119,7 +119,7 @@ def cell_values(picture):
 
 
 def unit_factor(label):
-    """The factor from SI units to the unit in parentheses at the end of a label."""
+    """Factor from SI units to the unit in parentheses at the end of a label."""
     factors = {
         "m/s": 1,
         "mm/s": 1e3,

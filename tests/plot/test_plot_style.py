@@ -256,7 +256,7 @@ def test_axes_of_a_part_of_a_figure_can_be_given():
 
 @pytest.fixture
 def windows(closing, monkeypatch):
-    """Numbers of the figures of pyplot at each call of its show."""
+    """A list to which each call of `pyplot.show` adds the numbers of the open figures."""
     calls = []
     monkeypatch.setattr(plt, "get_backend", lambda: "a window")
     monkeypatch.setattr(plt, "show", lambda: calls.append(plt.get_fignums()))

@@ -117,7 +117,7 @@ class CalibrationShot(NamedTuple):
     solution: ri.Solution
 
     def gauge(self, body, distance, noise, seed):
-        """A `noisy_gauge` of bar 1 or 2 at a distance from the joint, m."""
+        """A `noisy_gauge` on bar 1 or 2, at a distance from the joint of the bars, m."""
         x = distance
         if body == 1:
             first_bar = self.solution.system.bodies[1]

@@ -251,7 +251,7 @@ def test_as_much_rest_as_the_rise_is_enough():
 
 
 def gauges_with_rest(count):
-    """Gauges whose records have so many samples at rest, of 1 us, before a ramp."""
+    """Two gauges whose records have `count` samples at rest, 1 us apart, before a ramp."""
     rest = count * 1e-6  # s
     record = ramp_record(rest=rest, rise=40e-6, end=6e-4)
     on_input = ri.BarGauge(record, DISTANCE)

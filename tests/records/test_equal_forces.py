@@ -41,7 +41,9 @@ def rms(values):
 
 
 def law_errors(shot, result, least=0.03):
-    """Relative errors of the stress at strains from `least` on, while loading."""
+    """Relative errors of the stress of a reduction at 200 strains, from `least` to 97 %
+    of the largest one, while loading.
+    """
     strain = shot.strain(result.times)
     stress = shot.stress(result.times)
     peak = int(strain.argmax())

@@ -19,7 +19,9 @@ BAR = [0.001, -0.0025, 0.25, 1.0]  # V
 
 @pytest.fixture
 def read(tmp_path):
-    """Function that writes a text or bytes to shot.txt, and reads the signals."""
+    """A function that writes a text, or bytes, to shot.txt, and returns the signals
+    that are read from it.
+    """
     path = tmp_path / "shot.txt"
 
     def signals(text, encoding="utf-8", **options):
@@ -317,7 +319,7 @@ def test_wrong_options_are_refused(read, options, said):
 
 
 def table_of(times, values):
-    """A table of times and volts."""
+    """Text of a table with columns of times, s, and volts."""
     lines = ["time_us,a_V\n"]
     for time, value in zip(times.tolist(), values.tolist(), strict=True):
         lines.append(f"{time},{value!r}\n")
@@ -358,7 +360,7 @@ def test_times_that_are_not_uniform_on_purpose_are_no_gap(read):
 
 
 def peak_of(call):
-    """Result of a function, and the most bytes that it took at a time."""
+    """Result of a call, and the largest number of bytes that it took at any one time."""
     tracemalloc.start()
     try:
         result = call()

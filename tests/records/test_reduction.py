@@ -34,7 +34,9 @@ BRIDGE = ri.Bridge("quarter", gauge_factor=2.061, excitation=8.0, gain=200.0)
 
 
 def flow(strain):
-    """Nominal stress of the specimen, Pa: it yields at some 400 MPa and hardens."""
+    """Nominal stress, Pa, of the specimen at a nominal strain: it yields at some 400
+    MPa and hardens.
+    """
     approach = -np.expm1(-strain / 0.004)  # 1 - exp(-strain/0.004)
     yielding = 400e6 * approach
     hardening = 500e6 * strain
@@ -555,7 +557,7 @@ def test_stresses_velocities_and_strain_rate_of_a_reduction_are_consistent(shot)
 
 
 def reduced_incompressible(shot):
-    """Reduction of a specimen that keeps its volume."""
+    """Reduction of a shot with a specimen whose volume is constant."""
     specimen = SPECIMEN.replace(incompressible=True)
     first = shot.gauge(0.381)
     second = shot.output_gauge()
@@ -894,8 +896,8 @@ def test_a_calibration_stands_for_the_bars_and_its_errors_widen_the_bands(shot):
     ],
 )
 def test_mistakes_of_a_calibration_are_named(change, says):
-    """One argument of `calibrate` is replaced by a wrong one, or all are right but the
-    missing speed: InvalidModel has a fitting message.
+    """An argument of `calibrate`, whose striker speed is None otherwise, is replaced by
+    a wrong one: InvalidModel has a fitting message.
     """
     first, second = gauges_without_specimen()
     arguments = {

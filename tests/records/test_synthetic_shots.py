@@ -76,7 +76,9 @@ class Reduced(NamedTuple):
         return self.reduction.strain[loading] / strain - 1
 
     def is_covered(self):
-        """Whether the bands of stress and strain contain the truth, [band, sample]."""
+        """Whether the bands of stress and of strain contain the true values during
+        loading, [band, sample].
+        """
         result = self.reduction
         loading = self.loading
         times = result.times[loading]

@@ -27,7 +27,7 @@ def reduced(shot, bar=BAR, specimen=SPECIMEN, seed=0, **options):
 
 
 def bar_with(modulus):
-    """The bar with another Young's modulus, Pa."""
+    """The bar with this Young's modulus, Pa, in place of its own."""
     material = STEEL.replace(youngs_modulus=modulus)
     segment = BAR.segments[0]
     changed = segment.replace(material=material)

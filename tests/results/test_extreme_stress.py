@@ -141,7 +141,7 @@ def test_the_extremes_of_a_standing_wave_are_in_the_middle(method, cells, near):
 
 
 def solve_random_row(method, seed):
-    """A random row of bodies and laws that the method carries, and its solution."""
+    """The solution, by `method`, of a random row of bodies and laws that it can carry."""
     if method == "fronts":
         system = random_system(seed, bodies=2 + seed % 4)
         return ri.solve(system, horizon(system, 3.0), method, max_events=3000)
@@ -232,7 +232,7 @@ def test_largest_stresses_of_members_are_those_alone_and_no_less_than_of_the_pea
 
 
 def stresses_of_pair(solution):
-    """Largest tension and compression of each of two rods, Pa [4]."""
+    """Largest tension and compression of the first, then of the second rod, Pa [4]."""
     stresses = []
     for body in (0, 1):
         tension, compression = solution.extreme_stress(body)

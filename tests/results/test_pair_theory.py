@@ -72,7 +72,9 @@ def test_there_is_no_closed_form_where_none_holds(system):
 
 
 def value_of(system, name):
-    """The value of a column by the closed form; nan where there is none."""
+    """A column of the closed form of a single pair, a float; nan where there is no
+    closed form.
+    """
     theory = pair_theory(system)
     if theory is None:
         return np.nan

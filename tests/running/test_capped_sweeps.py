@@ -49,7 +49,9 @@ def with_masses(seed):
 
 
 def family_of(system):
-    """The same row with three velocities of its first rod that has a single one."""
+    """The system as a family of three, in which the first rod with a single velocity
+    gets three.
+    """
     bodies = list(system.bodies)
     for i, body in enumerate(bodies):
         if isinstance(body, ri.Rod) and isinstance(body.velocity, float):

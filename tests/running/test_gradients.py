@@ -85,7 +85,7 @@ def _any_row(rng, seed):
 
 
 def paths_of(system, *names):
-    """Paths of the numbers other than 0 that have one of these names."""
+    """Paths of all numbers of a system that have one of these names and are not 0."""
     paths = []
     for path, value in numbers_of(system).items():
         _, _, name = path.rpartition(".")
@@ -543,7 +543,9 @@ def system_of(row):
 
 
 def unit_change(row, varied, i):
-    """A `Row` of changes: 1 in the element i of the field `varied`, 0 elsewhere."""
+    """A `Row` with the derivative of the numbers by one of them: 1 for element i of the
+    field `varied`, 0 elsewhere.
+    """
     change = Row(*map(np.zeros_like, row))
     field = getattr(change, varied)
     field[i] = 1.0

@@ -51,7 +51,9 @@ class Cluster(Executor):
         self.durations = []
 
     def submit(self, run, chunk):
-        """Do the job at once; its result is kept until a worker would have it."""
+        """Run the job at once; its future gets the result at the simulated time at
+        which a worker would have finished it.
+        """
         start = max(self.now, heapq.heappop(self.free))
         self.clock.now = start
         result = run(chunk)
@@ -106,7 +108,9 @@ def family(costs):
 
 
 def swept(costs, cluster, **options):
-    """A sweep of members with these costs, on a cluster."""
+    """A sweep on a simulated cluster, whose members take `costs` seconds; their
+    restitution is their cost.
+    """
     return ri.sweep(
         family(costs),
         "finite-difference",

@@ -188,7 +188,9 @@ ATTRIBUTES = (
 
 
 def facts(solution):
-    """All that a solution knows, in a form in which equal means the same bits."""
+    """Numbers, arrays and texts of a solution, in a form that is equal exactly if all
+    bits are.
+    """
     t = np.linspace(0, solution.t_end, 23)
     all_facts = {name: getattr(solution, name) for name in ATTRIBUTES}
     all_facts["t_final"] = repr(solution.t_final)  # it may be nan
@@ -342,7 +344,7 @@ def saved_case():
 
 
 def another(value):
-    """Another value of the same type."""
+    """A value of the same type that differs from this one."""
     if isinstance(value, bool):
         return not value
     if isinstance(value, str):

@@ -55,7 +55,9 @@ def have_same_bits(first, second):
 
 
 def swings_for_ever(system):
-    """Whether a rod is bonded or joined to a wall."""
+    """Whether a body of the system is held at a wall by a law that never opens, so that
+    it may swing for ever.
+    """
     neighbours = itertools.pairwise(system.bodies)
     for law, (left, right) in zip(system.contacts, neighbours, strict=True):
         is_beside_a_wall = isinstance(left, ri.Wall) or isinstance(right, ri.Wall)
@@ -93,7 +95,9 @@ def assert_equal_to_one_at_a_time(result, **options):
 
 
 def assert_same_totals(member, contacts):
-    """Columns of a member are bit for bit the totals of the contacts of a run."""
+    """Columns of a member of a sweep are bit for bit the totals of the contacts of a
+    run.
+    """
     for k, contact in enumerate(contacts):
         for name in CONTACT_TOTALS:
             total = member[f"{name}.{k}"]
@@ -388,7 +392,9 @@ def test_blocks_may_run_in_plain_python_and_then_compiled(monkeypatch):
 
 
 def chain():
-    """Ten rods with gaps, the first of three lengths: they meet again and again."""
+    """A family of three: ten rods with gaps, the first of three lengths, which collide
+    again and again; not swept.
+    """
     struck = [ri.Rod(0.1, area=1e-4, material=STEEL)] * 9
     lengths = np.linspace(0.05, 0.5, 3)
     striker = ri.Rod(lengths, area=1e-4, material=STEEL, velocity=1.0)

@@ -74,7 +74,7 @@ TABLES = read_page()
 
 
 def complete_case(example):
-    """The tables of a case with that of an example, and two bodies."""
+    """The tables of a whole case file: those of an example, and two bodies."""
     data = {"schema": 1, "bodies": [ROD, ROD], "solve": {"until": 1e-4}, **example}
     bodies = data["bodies"]
     if "segments" in bodies:

@@ -62,7 +62,7 @@ def same(result, other):
 
 
 def chunks_on_disk(path):
-    """How many chunks of a sweep are on the disk."""
+    """Number of chunks of a sweep whose members are in the files of a folder."""
     numbers = set()
     for part in path.glob("members-*.npz"):
         with np.load(part) as file:

@@ -90,7 +90,9 @@ def alter(rng, array):
 
 
 def spoil_contents(rng, path):
-    """Pack an NPZ again with other arrays, or another word in its document."""
+    """Rewrite an NPZ file in place, with an array or a word of its document changed at
+    random.
+    """
     with np.load(path) as archive:
         arrays = dict(archive)
     names = sorted(arrays.keys() - {"document"})
@@ -144,7 +146,7 @@ def test_a_damaged_file_is_refused_or_is_what_was_saved(tmp_path, originals, see
 
 
 def exchange(first, second):
-    """Give two files of a folder the name of each other."""
+    """Exchange the names of two files."""
     spare = first.parent / ".rodimpact-spare"
     first.replace(spare)
     second.replace(first)
@@ -152,7 +154,9 @@ def exchange(first, second):
 
 
 def spoil_directory(rng, folder, other):
-    """Damage a checkpoint in one place or a few."""
+    """Damage a checkpoint in place, once to three times: remove, exchange, overwrite or
+    spoil a file, or leave a temporary one.
+    """
     for _ in range(rng.integers(1, 4)):
         paths = sorted(path for path in folder.iterdir() if path.is_file())
         if not paths:

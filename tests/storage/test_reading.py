@@ -27,7 +27,7 @@ def saved(tmp_path):
 
 
 def contents(path):
-    """The document of a saved file, a dict, and its arrays by name."""
+    """The document of a saved file, as a dict, and {name: array} of the other arrays."""
     with np.load(path) as archive:
         arrays = dict(archive)
     document = json.loads(str(arrays.pop("document")))
