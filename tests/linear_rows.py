@@ -75,10 +75,10 @@ class Motion(NamedTuple):
 
 
 def random_linear_row(seed):
-    """A row of one to four rods and masses whose ends are free, pushed or moved.
-
-    The first piece is a rod, and no two masses are neighbours. In 70 % of the cases all
-    velocities are equal at the start, those of moved ends too; else they jump.
+    """A row of one to four rods and masses whose ends are free, pushed or moved. The
+    first piece is a rod, and no two masses are neighbours. In 70 % of the rows all
+    velocities, also those of moved ends, are equal at the start; in the others they
+    differ.
     """
     rng = default_rng([seed, 45])
     count = int(rng.integers(1, 5))

@@ -150,11 +150,9 @@ class _Term(NamedTuple):
 
 
 def _terms(row, slope, k, until):
-    """The waves that come to contact k, by the contacts that sent them.
-
-    After an odd number of transits of a rod beside it arrives a wave of the contact at
-    the other end of this rod, after an even number one of its own. A free end sends
-    none.
+    """Waves that reach contact k until `until`, a `_Term` each. After an odd number of
+    transits of a rod beside it, a wave comes from the contact at the other end of this
+    rod; after an even number, from contact k itself. A free end sends none.
     """
     terms = []
     for rod, far_contact in ((k, k - 1), (k + 1, k + 1)):

@@ -85,9 +85,9 @@ def random_joint(rng):
 
 
 def random_law(rng, left, right):
-    """A random contact law, bond or joint that may stand between these two bodies.
-
-    In 30 % of the cases it is much stiffer than rods, whose stiffnesses are about 1.
+    """A random contact law, bond or joint that may stand between these two bodies. In
+    30 % of the compliant laws it is much stiffer than rods, whose stiffnesses are about
+    1.
     """
     between_walls = isinstance(left, ri.Wall) and isinstance(right, ri.Wall)
     if rng.random() < 0.12 and not between_walls:
@@ -191,7 +191,8 @@ def random_network(seed, *, bodies=5, driven=False):
     row = [random_body(rng) for _ in range(rng.integers(1, bodies + 1))]
     if not any(isinstance(body, ri.Rod) for body in row):
         row[rng.integers(len(row))] = random_rod(rng)
-    for index in (0, len(row) + 1):  # before the first body, behind the last
+    # A wall before the first body shifts the last one; without it, insert() appends.
+    for index in (0, len(row) + 1):
         if rng.random() < 0.3:
             velocity = 0.0
             if driven and rng.random() < 0.5:

@@ -182,7 +182,8 @@ class Link:
     def force(self, overlap, closing):
         """Force at an overlap, m, and the closing rate without the own force, m/s.
 
-        With the own force F the rate is `closing` - Y F, so that laws with damping are
+        With the own force F the rate is `closing` - Y F, Y the mobility: laws with
+        damping are
         solved for F: F = (k d + c closing)/(1 + c Y), and F = g (1 + c closing)/(1 + g
         c Y) with g = k d^p.
         """
@@ -191,14 +192,14 @@ class Link:
         if self.rigid:
             return closing / self.mobility
         if self.kind == "SpringDashpot":
-            top = self.stiffness * overlap + self.damping * closing
-            return top / (1 + self.damping * self.mobility)
+            without_own = self.stiffness * overlap + self.damping * closing
+            return without_own / (1 + self.damping * self.mobility)
         power = np.sign(overlap) * np.abs(overlap) ** self.exponent
         elastic = self.stiffness * power
         if self.kind != "HuntCrossley":
             return elastic
-        top = elastic * (1 + self.damping * closing)
-        return top / (1 + np.abs(elastic) * self.damping * self.mobility)
+        without_own = elastic * (1 + self.damping * closing)
+        return without_own / (1 + np.abs(elastic) * self.damping * self.mobility)
 
     def overlap_rate(self, closing, force):
         """Rate of the overlap, m/s, with the own force, N, from the closing rate

@@ -204,15 +204,18 @@ def test_a_long_run_is_shown_until_there_are_too_many_regions(monkeypatch):
 
 @pytest.mark.exhaustive
 def test_points_of_grids_have_displacements_and_cells_the_mean_velocity():
-    """Grids of both rods on the page are compared with the solution."""
+    """The grids of two compliant rods on the page: their points have the displacements
+    of the solution and span rod and run, and three cells of each have its mean
+    velocity.
+    """
     solution, scene = shown(COMPLIANT)
     grids = scene["tiling"]
     assert grids["body"] == [0, 1]
     first_cell = 0
     for body, length in enumerate((0.4, 1.0)):
         columns = grids["across"][body]  # of cells
-        points = slice(grids["start"][body], grids["start"][body + 1])
-        # Points are [time, place].
+        points = slice(grids["start"][body], grids["start"][body + 1])  # of this rod
+        # Points are [time, position], one more than cells in each direction.
         x = np.reshape(grids["x"][points], (-1, columns + 1))
         t = np.reshape(grids["t"][points], (-1, columns + 1))
         displacement = np.reshape(grids["displacement"][points], (-1, columns + 1))

@@ -399,8 +399,9 @@ def test_the_clock_of_the_page_sets_constants_that_there_are():
     "seeds", few_of([range(8), range(8, 100), range(100, 200)], [range(8)])
 )
 def test_the_page_solves_rows_as_solve_does(seeds):
-    """Velocities agree to 1e-11 of the closing speed, or to the rounding of the
-    clock.
+    """The page and `solve` agree on finality, velocities and e of random rows:
+    velocities to 1e-11 of the closing speed, or to the rounding of the clock if there
+    are many events.
     """
     cases = rows(seeds)
     n_exact = 0

@@ -542,7 +542,8 @@ def test_standard_errors_are_the_scatter_of_fits(correlation_time):
     point = np.array([*shares, shift, gain, blur, offset, trend])
     derivatives = derivatives_of(objective, point)
     J = derivatives[:, objective.is_free]
-    J *= [1.0, 1.0, UNTIL, 1e-5]  # numbers as shares of the range of shift and blur
+    # Shift and blur are varied as shares of their ranges, UNTIL and 1e-5 s.
+    J *= [1.0, 1.0, UNTIL, 1e-5]
     pseudo_inverse = np.linalg.pinv(J)
     random = default_rng(2)
 

@@ -152,7 +152,7 @@ def random_number(rng, near="1"):
         return repr(float(rng.choice([-1, 1, 1]) * 10 ** rng.uniform(-12, 12)))
     try:
         return repr(float(near) * 10 ** rng.uniform(-1, 1))
-    except ValueError:
+    except ValueError:  # `near` is the text of no number
         return "0.3"
 
 

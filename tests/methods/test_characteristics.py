@@ -222,8 +222,9 @@ def forces_until_2_s(contacts):
 
 @pytest.mark.parametrize("gravity", [0.0, -0.5])
 def test_bonds_carry_a_push_less_what_accelerates_the_masses_before_them(gravity):
-    """Three bonded masses, pushed from the left with 0.7 N, strike a rod. They move as
-    one; gravity, which accelerates all bodies alike, takes no force.
+    """Three bonded masses, pushed from the left with 0.7 N, strike a rod and move as
+    one. Each bond has the force of the push minus that which accelerates the masses on
+    its left; gravity accelerates all bodies alike and takes no force.
     """
     push = 0.7
     mass = 1.0 + 2.0 + 3.0
@@ -406,12 +407,10 @@ def peak_force_of_table(energy):
     "method", few_of(["characteristics", "finite-difference"], ["characteristics"])
 )
 def test_two_masses_rebound_by_what_a_table_gives_back(method, speed):
-    """Two masses that strike through a tabulated law part with the energy that it gives
-    back.
-
-    The area below the table is the energy of the blow; unloading with the slope k gives
-    back F^2/(2 k). The last line goes on beyond the table, as far as the fastest mass
-    needs it.
+    """Two masses strike through a tabulated law. Velocity of rebound, peak force and
+    loss follow from the area below the table, the energy of the blow, and from
+    unloading with the slope k, which gives back F^2/(2 k). The fastest mass goes beyond
+    the last point.
     """
     unloading = 20.0  # stiffness k, N/m
     first_mass = 0.5  # kg
@@ -939,8 +938,9 @@ def test_an_outcome_without_restitution_says_why(bodies, options, reason):
 def test_a_ball_on_a_floor_bounces_by_its_restitution_and_comes_to_rest(
     wall_velocity, mirrored
 ):
-    """It falls from 0.3 m, comes back with half of its speed, and after 3.7 s lies
-    still with its weight on the floor; beside a moving wall in the frame of the wall.
+    """A ball falls on a wall from 0.3 m and comes back with half of its speed; after
+    3.7 s it lies still, and its weight is the contact force. If the wall moves, this
+    holds relative to the wall. Also mirrored.
     """
     ball = ri.RigidMass(2.0, velocity=wall_velocity)
     bodies = [ri.Wall(wall_velocity), ball, unit_rod()]

@@ -224,9 +224,9 @@ def random_vibrating_rod(seed):
 def test_an_end_stays_as_near_to_its_mean_motion_as_the_proof_bounds(
     seed, right, endless
 ):
-    """The end of a vibrating rod at a gap of 10 m, on whose `right` side the rod lies.
-
-    A rod that is `endless`, for its far end absorbs, comes to rest in its mean motion.
+    """A vibrating rod lies on the `right`, or the left, of a gap of 10 m. For 60
+    transits, its end at the gap deviates from its mean motion by the bound of the proof
+    at most. An `endless` rod, whose far end absorbs, comes to rest in its mean motion.
     """
     rod = random_vibrating_rod(seed)
     material = rod.segments[0].material

@@ -24,8 +24,9 @@ def long_contact(area, length):
 
 @given(st.fractions(1, 8), st.integers(2, 30))
 def test_stated_errors_cover_those_of_the_duration_and_of_the_last_force(area, length):
-    """The exact duration and last time are those of `ri.exact` for a `long_contact`. A
-    status says that the force decays just where an error is stated.
+    """Duration and last time of a `long_contact` differ from those of `ri.exact` by
+    their stated errors at most. The status says that the force decays exactly if an
+    error is stated.
     """
     values = {
         "bodies.0.impedance": area,

@@ -107,8 +107,9 @@ def test_a_chain_of_masses_swings_as_its_matrix_says(method, residual):
 
 @both_methods
 def test_a_joined_mass_and_rod_are_struck_as_one_body(method):
-    """They go on with one velocity; in a run five times as long the striker does not
-    meet them again.
+    """A rod strikes a mass with a rod joined to it. These two go on with one velocity,
+    which gives e; the joint has no episodes, and in a run five times as long the
+    striker does not meet them again.
     """
     striker = unit_rod(velocity=1.0)
     mass = ri.RigidMass(0.5)
@@ -207,8 +208,9 @@ DASHPOTS = [ri.Joint(0.0, damping=0.05), ri.Joint(0.0, damping=0.3)]
 def test_an_end_beyond_joints_is_where_the_proof_says_and_stays_within_its_bound(
     bodies, joints
 ):
-    """Far from all else the end moves with the centre of mass, and deviates by strains
-    and stretches. By how much a dashpot gives way is bounded, but not stated.
+    """The end of a row of joined bodies, far from the next body, moves with their
+    centre of mass and deviates, within the bound, by strains and stretches. The
+    yielding of a dashpot is bounded, but not stated.
     """
     laws = [*joints, ri.Rigid()]
     far_rod = unit_rod()
@@ -297,8 +299,9 @@ def distance_at_joint(solution):
 
 
 def test_a_state_goes_on_with_its_stretch():
-    """A state in the middle of a run has the stretch of its joint and no gap. From it
-    on, gap and distance at the joint are those of the whole run.
+    """The state of two joined rods in the middle of a run has the stretch of the joint
+    and no gap. A run from this state has the gaps, and at the end the distance, of the
+    whole run.
     """
     striker = unit_rod(velocity=1.0)
     joint = ri.Joint(3.0, damping=0.4)

@@ -32,7 +32,9 @@ def row_of(kind, seed):
 
 
 def measures_of(solution):
-    """Values of each measure [contact or body]; times that there are not count as 0."""
+    """{measure: values of all bodies or contacts}; bonds are left out, and a missing
+    time is 0.
+    """
     contacts = []
     last_openings = []
     for i, law in enumerate(solution.system.contacts):

@@ -152,10 +152,9 @@ def test_a_blow_that_is_over_makes_no_soil_yield_later(seed):
 @pytest.mark.exhaustive
 @needs_compiler
 def test_the_ram_is_caught_after_its_first_bounce():
-    """Ram and helmet fly up at 0.9 m/s, and would come down again after 0.21 s.
-
-    They would strike hard: that a blow ends before, also where a later end is given,
-    keeps the second impact out of its set and its tension.
+    """Ram and helmet fly up at 0.9 m/s and would come down again, hard, after 0.21 s.
+    The blow ends before, even if a later end is given, so that the second impact is
+    part of neither set nor tension.
     """
     soil = SOIL.replace(quake=2.54e-3)
     pile = ri.Rod(18.3, area=0.01, material=STEEL, shaft=soil)

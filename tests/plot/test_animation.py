@@ -203,6 +203,7 @@ def test_the_future_is_hidden_and_the_past_is_that_of_the_end(film, number):
     diagram = diagram_of(film)
     box = diagram.get_window_extent()
     height = film.figure.bbox.height
+    # A few pixels at the frame of the diagram are left out on every side.
     columns = slice(int(box.x0) + 3, int(box.x1) - 3)
     top = int(height - box.y1) + 2
     bottom = int(height - box.y0) - 3

@@ -271,8 +271,8 @@ def test_without_dispersion_the_stress_of_the_same_shot_is_off(shot):
 def test_at_a_noise_of_1_percent_bands_cover_the_truth_and_errors_are_below_1_percent(
     shot,
 ):
-    """Of twelve shots: bands of 95 % contain 95 % of the truth, median errors are 1 %
-    at most.
+    """Twelve shots with 1 % of noise: the bands of stress and strain contain 95 % of
+    the true values, and the median errors of both are 1 % at most.
     """
     covered = []
     stress_errors = []
@@ -320,10 +320,9 @@ def test_two_gauges_tell_waves_apart_that_overlap(long_shot, apart):
 
 
 def test_one_gauge_must_lie_where_the_incident_wave_is_over_as_the_reflected_comes():
-    """The end of a pulse is its start at a tenth, its width, and half its rise; just so
-    is enough.
-
-    Times, distances and wave speeds are binary fractions, so that equal times are
+    """At the least distance of a single input gauge the reflected wave begins exactly
+    when the incident pulse ends: the stress is right there, and slightly nearer a
+    second gauge is asked for. All times are binary fractions, so that equal times are
     equal.
     """
     dt = 2.0**-20
@@ -409,8 +408,8 @@ def test_forces_and_strain_between_unlike_bars_are_those_of_characteristics():
 
 @pytest.mark.exhaustive
 def test_two_gauges_see_the_wave_that_comes_back_in_the_output_bar():
-    """Beyond the round trip of a short output bar the strain rate is still that of the
-    run.
+    """A short output bar with two gauges: also after the round trip of its wave, the
+    strain rate is that of the computed run, in the median to 0.5 %.
     """
     steel = ri.Material("steel", youngs_modulus=2e11, density=8000)
     striker = ri.Rod(0.3, area=1e-4, material=steel, velocity=12.0)
@@ -1177,7 +1176,9 @@ def test_a_constant_imbalance_points_to_gains_and_distances():
 def test_a_record_computed_without_lateral_inertia_needs_bars_that_do_not_disperse(
     poisson_ratio, peak_ratio
 ):
-    """The law of the contact states the true force on the specimen."""
+    """Records of ideal rods are reduced with bars of this Poisson's ratio: the peak
+    stress over the true one, from the law of the contact, is `peak_ratio`.
+    """
     metal = ri.Material(
         "titanium", wave_speed=4865.9, density=4416, poisson_ratio=poisson_ratio
     )
@@ -1262,8 +1263,8 @@ def test_measured_records_of_other_bars_are_not_doubted(
 
 
 def test_noise_of_a_soft_specimen_is_not_doubted():
-    """Less than a tenth of the wave is transmitted, so the input force is mostly
-    noise.
+    """A soft specimen transmits less than a tenth of the wave, so that the input force
+    is mostly noise and the forces seem out of balance: no doubt is raised.
     """
     metal = ri.Material("metal", youngs_modulus=2e11, density=8000)
     bar = ri.Rod(1.5, area=1e-4, material=metal)

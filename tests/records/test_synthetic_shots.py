@@ -102,7 +102,9 @@ def output_stress(shot, times):
 
 
 def reduced(arrangement, noise=NOISE, seed=0):
-    """A shot of an arrangement, recorded with noise and reduced."""
+    """A shot of this arrangement, recorded with noise and reduced: `Reduced`. Each
+    gauge has noise of its own.
+    """
     if arrangement == "direct impact":
         shot = slow_direct_impact()
         noise_over_pulse = noise * SLOW_STRAIN / PULSE_STRAIN

@@ -19,11 +19,9 @@ WALL_SPEED = 0.1  # m/s
 def test_a_mass_bonded_to_a_wall_belongs_to_the_wall(
     method, cells, near, displacement_error, gravity, mirrored
 ):
-    """All energies and velocities are as if it were not there, and it moves with the
-    wall.
-
-    They agree to `near`, which is round-off. Displacements on a grid have times that
-    are rounded to ticks, so an error of their own.
+    """A rod meets a moving wall with a mass bonded to it: energies and the velocity of
+    the rod are as without the mass, to `near`, and the mass moves with the wall.
+    Displacements on a grid have an error of their own, as times are rounded to ticks.
     """
     wall = ri.Wall(WALL_SPEED)
     rod = unit_rod(velocity=-1.0)

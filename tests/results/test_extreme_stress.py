@@ -192,7 +192,7 @@ def test_the_stress_is_no_less_than_the_peak_force_over_the_area(method, seed):
     for body in rods_of(solution.system):
         segments = solution.system.bodies[body].segments
         if any(segment.lateral_inertia is not None for segment in segments):
-            continue  # which takes a share of the force
+            continue  # lateral inertia takes a share of the force
         largest = solution.extreme_stress(body).largest
         contact_on_left = body - 1
         contact_on_right = body

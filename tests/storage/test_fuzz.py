@@ -75,7 +75,7 @@ def alter(rng, array):
     if kind == 1 and array.ndim > 1:
         return flat
     if kind == 1 or (kind == 2 and array.ndim == 0):
-        return array[None]
+        return array[None]  # one axis more
     if kind == 2:
         length = rng.integers(array.shape[0] + 1)
         return array[:length]
