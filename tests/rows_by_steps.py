@@ -141,6 +141,7 @@ class Line:
             cell = self.cells[number]
             end = len(times)
             if number + 1 < len(self.cells):
+                # Times up to the end of the cell; the last cell holds for all later ones.
                 end = int(np.searchsorted(sent, cell.stop, "right"))
             if end > begin:
                 share = 2 * (sent[begin:end] - cell.start) / (cell.stop - cell.start)
@@ -369,7 +370,9 @@ class Row:
         self.mobility = max(max(node.mobility) for node in self.nodes)
 
     def _make_nodes(self):
-        """Nodes and delay lines of the row, from left to right."""
+        """Make nodes and delay lines of the row, from left to right; the end links of a
+        node get the mobility of the rods beside it.
+        """
         self.nodes = []
         self.lines = []
         masses = []
@@ -436,10 +439,9 @@ class Row:
             self._advance(node, until)
 
     def _advance(self, node, until):
-        """Take one cell of a node, and change the law of a link at its end if need be.
-
-        The cell is made shorter until it is accepted, and until no guard changes its
-        sign inside it.
+        """Solve one cell of a node from its time on, up to a breakpoint, the known
+        waves or `until`; at an event at its end a link changes its state. The cell is
+        made shorter until it is accepted and no guard changes its sign inside.
         """
         start = node.time
         shortest = SHORTEST_CELL * self.transit  # s

@@ -85,6 +85,7 @@ def test_a_bar_tells_the_call_how_much_and_how_fast_and_leaves_an_empty_line(
 
 
 def test_a_call_of_less_than_two_seconds_shows_nothing(monkeypatch):
+    """50 reports within 2 s write nothing to the terminal."""
     terminal = watched(monkeypatch)
     monkeypatch.setattr(progress, "APPEARS_AFTER", 2.0)
     with Progress(progress=True, name="sweep", unit="collisions") as report:
@@ -124,6 +125,7 @@ def test_members_from_a_checkpoint_do_not_count_for_the_time_that_remains(monkey
 
 
 def test_where_nobody_knows_the_total_the_bar_counts(monkeypatch):
+    """With None as total, the bar counts the steps, also in thousands."""
     terminal = watched(monkeypatch)
     with Progress(progress=True, name="formula", unit="steps") as report:
         report(1, total=None)
@@ -141,6 +143,7 @@ def test_a_total_that_was_too_low_is_raised_to_what_is_done(monkeypatch):
 
 
 def test_a_finer_mesh_begins_anew(monkeypatch):
+    """A report of 10 of 200 after 100 of 100 shows 5 %, without a negative rate."""
     terminal = watched(monkeypatch)
     with Progress(progress=True, name="solve", unit="steps") as report:
         report(100, 100)
@@ -305,6 +308,7 @@ def test_compiling_is_told_above_the_bar(monkeypatch):
 
 
 def test_a_bar_of_the_user_stays_above_ours(monkeypatch):
+    """A bar of tqdm around a sweep ends at 100 % in the first line; our line is empty."""
     terminal = watched(monkeypatch)
     from tqdm import tqdm
 

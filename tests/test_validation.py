@@ -67,6 +67,9 @@ def test_every_case_is_found_and_written(written):
 
 
 def test_the_verdicts_list_every_case_with_the_number_of_its_numbers(written):
+    """The README of the validation lists each case, in order, with its number of rows,
+    in at most 1000 words.
+    """
     text = (FOLDER / "README.md").read_text(encoding="utf-8")
 
     numbers = {}

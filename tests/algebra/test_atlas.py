@@ -58,6 +58,9 @@ def test_borders_are_saint_venants(uniform_atlas):
 def test_there_are_as_many_regions_as_saint_venants_with_one_contact_in_each(
     uniform_atlas,
 ):
+    """The atlas of two uniform rods up to l2 = 3.6 l1 has six regions: two above equal
+    areas, four below; each has one episode of contact.
+    """
     # K l1 <= l2 < (K + 1) l1, for lengths up to l2 = 3.6 l1.
     regions_above_equal_areas = ["x < 1", "x > 1"]
     regions_below_equal_areas = ["x < 1", "K = 1", "K = 2", "K = 3"]
@@ -239,6 +242,9 @@ def test_mistaken_axes_are_refused(uniform_atlas, x, message):
 
 
 def test_a_figure_shows_the_borders(uniform_atlas):
+    """The figure of an atlas has borders named "another formula" and "e = 1"; the
+    latter lies at x = 1.
+    """
     picture = ri.plot.atlas(uniform_atlas)
 
     assert picture.ax.get_xlabel() == "length of rod 2 (m)"

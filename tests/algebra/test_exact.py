@@ -45,6 +45,9 @@ def test_steps_of_an_area_are_borders_as_they_are_written():
 
 
 def test_times_of_the_box_are_the_metres_that_its_waves_run():
+    """The contact of the box lasts from 0 to 4/5, twice the length of the striker in m;
+    the unit of time is that in which a wave runs 1 m.
+    """
     collision = ri.exact(BOX)
 
     start, end = only_contact(collision)

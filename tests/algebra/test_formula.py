@@ -75,6 +75,7 @@ def test_the_formula_of_the_box_is_l1_over_l2_where_l1_is_below_l2():
 
 
 def test_the_contact_of_the_box_lasts_two_transits_of_the_striker():
+    """Start 0 and end of the contact, in the closed form, at a length of 0.4 m."""
     form = ri.closed_form(BOX, ["length"])
 
     start, end = only_contact(form)
@@ -457,6 +458,9 @@ def test_notebooks_show_the_formula_and_its_condition_in_latex():
 
 
 def test_a_formula_that_would_be_too_long_is_refused_with_a_remedy(monkeypatch):
+    """With a small limit on products, the closed form of three rods is refused with the
+    advice to name fewer symbols, which works.
+    """
     three = row([0.4, 1.0, 0.7], [1e-4, 2e-4, 3e-4])
     monkeypatch.setattr(rational_functions, "MAX_PRODUCT_TERMS", 8)
 

@@ -227,6 +227,7 @@ def test_a_reader_who_has_gone_is_no_failure(command):
 @pytest.mark.exhaustive
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs /dev/full")
 def test_a_full_disk_under_standard_output_ends_with_1():
+    """`materials` writes to a full device: status 1, and one line on standard error."""
     with open("/dev/full", "w") as full:
         process = python("-m", "rodimpact", "materials", stdout=full)
 
@@ -403,6 +404,9 @@ def test_a_run_of_no_time_prints_its_table_and_tells_why_it_draws_nothing(
 def test_a_run_of_no_time_is_no_page_and_no_film(
     case, refuses, command, sentence, change, remedy
 ):
+    """A command that makes a page or a film of a case that ends at 0 s is refused with
+    a remedy, and writes nothing.
+    """
     case.write_text(CASE + change)
     name, *options = command
 
@@ -452,6 +456,9 @@ def test_waves_of_rigid_masses_are_refused_with_the_command_that_draws_them(
     ],
 )
 def test_outputs_are_checked_before_solving(case, refuses, monkeypatch, argv, sentence):
+    """`run` with outputs that cannot be written is refused before it solves; an
+    existing file stays as it is.
+    """
     monkeypatch.setattr(
         "rodimpact.cli.run.solve", lambda *_, **__: pytest.fail("solved")
     )
@@ -508,6 +515,9 @@ def test_gauges_of_the_case_are_written(case):
 
 
 def test_the_interval_of_gauges_resolves_a_short_blow(case, refuses):
+    """`run --gauges --interval` writes rows 2 us apart; --interval without --gauges is
+    refused.
+    """
     gauges = ["--gauges", "a.csv", "--gauge", "a=1:0.5"]
 
     status = main(["run", str(case), *gauges, "--interval", "2 us"])
@@ -557,6 +567,7 @@ def test_run_prints_the_table(case, capsys):
 
 
 def test_run_prints_json_in_full_precision(case, output_of):
+    """`run --json` has the restitution of `collide` bit for bit."""
     steel = ri.materials.steel
     first = ri.Rod(0.4, area=1e-4, material=steel, velocity=1.0)
     second = ri.Rod(1.0, area=1e-4, material=steel)
@@ -608,6 +619,7 @@ def test_notes_go_to_a_terminal(case, capsys, monkeypatch):
 
 
 def test_options_overrule_the_case(case, output_of):
+    """--until and --save of `run` replace those of the case file."""
     case.write_text(CASE + '[solve]\nuntil = "0.1 ms"\n[output]\nsave = "b.toml"\n')
     options = ["--until", "200 us", "--save", "c.toml"]
 
@@ -780,6 +792,9 @@ def test_rigid_prints_velocities_and_impulses_of_both_bodies(output_of):
 
 
 def test_rigid_takes_units_signs_walls_and_percent(output_of):
+    """`rigid` of a mass that meets a moving wall: velocity and impulse by its formula;
+    mass and energy of the wall are None.
+    """
     body = ["--m1", "500 g", "--v1", "10"]
     wall = ["--m2", "inf", "--v2", "-20cm/s"]
 
@@ -809,6 +824,9 @@ def test_rigid_refuses_energy_unless_it_is_released(refuses, output_of):
 
 
 def test_verify_checks_each_method_and_names_the_validation_pages(output_of):
+    """`verify` prints an "ok" for each method, that all passed, and a path of the
+    validation pages that exists.
+    """
     text = output_of("verify")
 
     *_, verdict = text.splitlines()
@@ -890,6 +908,7 @@ def test_materials_prints_the_numbers_of_each(output_of):
 
 
 def test_materials_of_json_have_sources(output_of):
+    """`materials --json` lists all materials of the package, each with a source."""
     data = json.loads(output_of("materials", "--json"))
 
     names = set()

@@ -111,6 +111,9 @@ def test_the_table_has_the_results_of_each_collision(case, swept):
 
 
 def test_energies_of_round_off_are_printed_as_0(case, swept):
+    """For rods of equal length, which swap velocities, the table of a sweep prints e =
+    1 and 0 J.
+    """
     lengths = "bodies.0.length=1 m:2 m:2"
     velocities = "bodies.0.velocity=1.7:1.9:3"
 
@@ -139,6 +142,9 @@ def test_a_small_family_is_shown_whole(case, swept):
 
 
 def test_a_large_family_is_shown_in_part_with_the_way_to_all(case, swept):
+    """The table of 21 members shows 12, with the first and the last one, and the
+    options for all.
+    """
     out = swept("--vary", "bodies.0.length=0.05:1:21")
 
     _, first, *others, last, rest = table_of(out)
@@ -149,6 +155,9 @@ def test_a_large_family_is_shown_in_part_with_the_way_to_all(case, swept):
 
 
 def test_collisions_without_e_are_counted_with_the_reason(case, swept):
+    """Two of four members do not collide: they have "-" for e, and a line counts them
+    with a reason.
+    """
     out = swept("--vary", "bodies.0.velocity=-2,0,1,2")
 
     _, *rows = table_of(out)
@@ -321,6 +330,9 @@ def test_files_of_the_case_are_for_a_single_run(case):
 
 
 def test_collisions_that_stop_early_are_recorded_and_end_with_3(case, swept):
+    """Two members stop at the cap on events: status 3, advice in the table, and
+    "max_events" in the JSON.
+    """
     case.write_text(STEPPED)
     argv = ["--vary", "bodies.1.segments.0.length=0.41421356,0.5", "--max-events", "5"]
 
@@ -502,6 +514,9 @@ def test_a_damaged_checkpoint_is_announced_in_a_line(case, capsys, swept):
 
 
 def test_extra_quantities_have_columns(case, refused, swept):
+    """`sweep --also` adds columns to CSV and table; displacements are refused without
+    --until.
+    """
     extra = ["--also", "dissipated", "--also", "largest_stress"]
 
     table = swept("--vary", LENGTHS, *extra)

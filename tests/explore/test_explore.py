@@ -157,6 +157,7 @@ def test_a_case_without_a_picture_or_with_a_mistake_has_no_page(case, words):
 
 
 def test_a_notebook_shows_the_page_in_a_frame():
+    """The HTML of a page in a notebook is an iframe that holds the whole page, escaped."""
     page = ri.explore(PAIR)
     frame = page._repr_html_()
     assert frame.startswith('<iframe srcdoc="')
@@ -184,6 +185,9 @@ STEPPED = ri.Rod(
 
 
 def test_fronts_that_multiply_are_not_for_the_page(monkeypatch):
+    """`explore` of a row between walls with more events than the page follows is
+    refused.
+    """
     monkeypatch.setattr("rodimpact.explorer.tables.MAX_PAGE_EVENTS", 500)
     system = ri.System([ri.Wall(), STEPPED, ri.Wall()])
     case = ri.Case(system, {"until": 10.0, "max_events": 1000})
@@ -281,6 +285,9 @@ def test_sentences_of_the_page_have_no_advice_that_only_python_can_follow():
 
 
 def test_the_curve_of_e_is_that_of_saint_venant():
+    """For 30 ratios of lengths, e on the page is the smaller of the ratio and its
+    inverse.
+    """
     ratios = np.linspace(0.1, 3.0, 30)
     restitutions = []
     for ratio in ratios:

@@ -32,6 +32,9 @@ class Reader(html.parser.HTMLParser):
     """
 
     def __init__(self, text):
+        """Read the HTML text: its elements with attributes, and the texts of its
+        scripts and styles by id or tag.
+        """
         super().__init__()
         self.elements = []
         self.texts = {}

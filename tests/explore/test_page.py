@@ -1101,6 +1101,7 @@ def test_ends_gauges_and_rods_are_dragged_in_the_picture(visit):
 
 
 def test_names_never_become_markup(visit, solved):
+    """A material whose name holds tags is shown as text, and no element is made of it."""
     alloy = ri.Material(
         "</script><b onclick=1>&amp;</b>", youngs_modulus=200e9, density=7850.0
     )
@@ -1139,6 +1140,7 @@ def with_first_length(system, length):
 def test_two_rods_with_round_ends_are_solved_for_each_length_of_the_first(
     visit, solved
 ):
+    """For three typed lengths, e on the page is that of `solve` with a Hertz contact."""
     page = visit(solved(HERTZ))
     for mm in (300, 500, 700):
         field(page, LENGTH).fill(f"{mm}")
@@ -1352,6 +1354,9 @@ def test_a_quantity_that_is_rounded_up_has_the_next_prefix(visit):
 
 @pytest.mark.exhaustive
 def test_facts_of_the_solver_are_in_the_notes_only(visit):
+    """Method, digits and number of solved ratios stand in the notes, and not above
+    them.
+    """
     page = visit()
     wait_for_e(page, "0.4")
     notes = text_of(page, "#notes")
@@ -1583,6 +1588,7 @@ OUTSIDE = """(design) => {
 
 @pytest.mark.exhaustive
 def test_all_bodies_of_random_rows_are_inside_the_picture_at_all_times(visit):
+    """For 50 random rows, the page names no body outside of the picture at any time."""
     page = visit()
     rng = np.random.default_rng(43)
     for _ in range(50):

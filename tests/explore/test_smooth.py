@@ -139,6 +139,9 @@ def solve(case):
 @needs_node
 @pytest.mark.parametrize("seed", few_of(range(18), {11}))
 def test_random_rows_on_the_page_are_those_of_solve_within_the_stated_errors(seed):
+    """Velocities, contacts and energies of a random row on the page are those of
+    `solve`, to the stated errors.
+    """
     case = random_row(seed)
     (scene,) = solved_by_the_page([case])
     solution = solve(case)

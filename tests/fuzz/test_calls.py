@@ -134,6 +134,9 @@ def labels_for(call, index):
 @pytest.mark.filterwarnings("ignore::rodimpact.DoubtfulReduction")
 @pytest.mark.parametrize("name", NAMES)
 def test_each_bad_value_of_each_argument_is_answered_or_refused_in_a_sentence(name):
+    """Every argument of the calls of this name gets every bad value in turn: the call
+    returns, or refuses it in a sentence.
+    """
     for call in CALLS:
         if call.name != name:
             continue

@@ -842,6 +842,7 @@ PAIR = ri.System([unit_rod(velocity=1.0), unit_rod()])
 
 
 def test_auto_takes_fronts_where_it_can():
+    """Without a method, a pair of rods and a rod with a fixed end are solved by fronts."""
     fixed_end = (ri.Fixed(), ri.Free())
     fixed_rod = ri.System([unit_rod()], ends=fixed_end)
 
@@ -853,6 +854,9 @@ def test_auto_takes_fronts_where_it_can():
 
 
 def test_auto_takes_characteristics_for_a_tolerance_and_for_masses():
+    """Without a method, rods with rtol, and a mass with a rod, are solved by
+    characteristics.
+    """
     mass = ri.RigidMass(1.0, velocity=1.0)
     mass_and_rod = ri.System([mass, unit_rod()])
 
@@ -983,6 +987,9 @@ def test_a_ball_on_a_floor_bounces_by_its_restitution_and_comes_to_rest(
 @pytest.mark.parametrize("method", ["characteristics", "finite-difference"])
 @pytest.mark.parametrize("velocity", [1e150, 1e-160])
 def test_velocities_whose_energy_is_no_number_are_refused(method, velocity):
+    """A velocity so large or small that energies overflow or vanish is refused by each
+    method, with its number.
+    """
     striker = unit_rod(velocity=velocity)
     system = ri.System([striker, unit_rod()])
     number = re.escape(repr(velocity))

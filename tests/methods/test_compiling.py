@@ -36,6 +36,7 @@ def fail_while_uncollected(was_enabled):
 
 
 def test_garbage_that_was_not_collected_before_compiling_is_not_afterwards():
+    """If garbage collection is off before `uncollected`, it stays off after it."""
     gc.disable()
     try:
         with compiling.uncollected():
@@ -66,6 +67,9 @@ def fail_while_optimising():
 
 
 def test_a_lower_level_that_the_user_asks_for_is_kept(monkeypatch):
+    """numba's level of optimisation, set lower by a user, is the same inside and after
+    `optimised_for_kernels`.
+    """
     config = pytest.importorskip("numba").config
     lower = type(config.OPT)(1)
     monkeypatch.setattr(config, "OPT", lower)

@@ -49,6 +49,9 @@ def test_a_mean_gap_that_closes_is_never_enough():
 
 @pytest.mark.parametrize("gap", [0.0, 0.25, 1.0])
 def test_the_wait_is_until_the_mean_gap_is_beyond_the_reach_of_both(gap):
+    """At an opening of 1.5, the wait ends when the mean gap has grown to `REACH`; from
+    there on it is 0.
+    """
     opening = 1.5
 
     wait = wait_of_vibrating(opening, mean_gap=gap)

@@ -711,8 +711,9 @@ STATED_ERRORS = {
     ],
 )
 def test_stated_errors_bound_those_of_the_outcome(rods, until):
-    """The errors are those beside fronts: of velocities over the velocity scale, of
-    impulses, peak forces and durations over the largest of them.
+    """Rods are solved on a grid and by fronts: velocities differ by the stated error
+    times the velocity scale at most, and impulses, peak forces and durations by theirs
+    times the largest of them.
     """
     bodies = []
     for length, area, velocity in rods:
@@ -923,6 +924,9 @@ LOVE = {"lateral_inertia": "rayleigh-love"}
     ],
 )
 def test_extreme_viscosity_and_lateral_inertia_keep_the_balances(viscosity, theory):
+    """A viscous rod with this lateral inertia strikes another: momentum and energy
+    balance to 1e-8.
+    """
     lossy = material(poisson_ratio=0.3, viscosity=viscosity)
     rod = ri.Rod(1.0, area=1.0, material=lossy, velocity=1.0, **theory)
 

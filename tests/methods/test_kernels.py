@@ -238,6 +238,9 @@ def test_short_jobs_never_look_for_numba(fresh):
 
 @pytest.mark.parametrize("watched", [False, True])
 def test_one_line_tells_who_watches_that_compiling_takes_long(fresh, capsys, watched):
+    """On a terminal, and only there, one line announces compiling, also for two
+    kernels.
+    """
     fresh.setattr(sys.stderr, "isatty", lambda: watched, raising=False)
     assert kernels.worth_compiling(60.0, FRONTS)
     assert kernels.worth_compiling(60.0, PIECES)  # a second kernel tells nothing more
@@ -247,6 +250,9 @@ def test_one_line_tells_who_watches_that_compiling_takes_long(fresh, capsys, wat
 
 
 def test_where_compiling_is_disabled_nothing_is(fresh):
+    """With NUMBA_DISABLE_JIT, no job is worth compiling, even if forced, and `warm`
+    warns and returns 0.
+    """
     fresh.setenv("NUMBA_DISABLE_JIT", "1")
     assert not kernels.worth_compiling(60.0, FRONTS)
     with kernels.forced(compiling=True):

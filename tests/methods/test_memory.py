@@ -109,6 +109,9 @@ def test_an_end_beyond_the_clock_is_refused_with_a_remedy(until):
 
 
 def test_a_small_machine_allows_a_quarter_of_its_memory(monkeypatch):
+    """With 4 MB installed, 1 MB is allowed; one number more raises `TooLong` with the
+    sizes and the remedy.
+    """
     monkeypatch.setattr(memory, "installed", lambda: 4e6)  # bytes
     allowed = 125_000  # numbers of 8 bytes
     message = r"until: this needs .* GB.* 0\.001 GB; do less"

@@ -329,6 +329,9 @@ def solved():
 
 
 def test_a_state_carries_the_stated_error_of_its_run_on(solved):
+    """The velocity of a state in the middle of a run has the stated error of this run,
+    and a run from it states no less.
+    """
     state = solved.system_at(1.0)
     second_part = by_characteristics(state, 1.0)
 

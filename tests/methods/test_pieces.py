@@ -535,6 +535,9 @@ def values_at_ends(wave):
 
 
 def test_a_wave_with_a_jump_and_a_kink_becomes_pieces(wave_with_a_jump_and_a_kink):
+    """The wave becomes three pieces, with their starts, ends, orders of breaks (0 jump,
+    1 kink), values at the ends, and degrees.
+    """
     wave = wave_with_a_jump_and_a_kink
     assert wave["start"].tolist() == [0, 300, 700]
     assert wave["end"].tolist() == [300, 700, 1000]
@@ -545,6 +548,9 @@ def test_a_wave_with_a_jump_and_a_kink_becomes_pieces(wave_with_a_jump_and_a_kin
 
 
 def test_a_wave_can_run_backwards(wave_with_a_jump_and_a_kink):
+    """The reversed wave has the pieces in reverse order, with negated times and
+    exchanged ends.
+    """
     wave = profile_pieces.backwards(wave_with_a_jump_and_a_kink)
     assert wave["start"].tolist() == [-1000, -700, -300]
     assert wave["end"].tolist() == [-700, -300, 0]

@@ -90,6 +90,10 @@ def test_what_powers_of_two_do_not_see_is_seen():
 
 @pytest.mark.parametrize("order", [0.5, 1, 2])
 def test_the_estimate_is_the_error_of_that_order_times_the_safety_factor(order):
+    """An impulse with a known error of this order is refined: the estimate is at most
+    rtol, and `SAFETY_FACTOR` times the true error to 2 %.
+    """
+
     def impulse(factor):
         return 1 + 0.01 / factor**order
 
@@ -121,6 +125,10 @@ def test_an_unsettled_duration_is_estimated_but_not_refined_for():
 
 
 def test_a_settled_duration_is_known_to_a_part_of_a_step_at_best():
+    """Impulse and durations do not change with the mesh: the estimate is 0 for the
+    impulse, and a part of the step for the duration.
+    """
+
     def measures(run):
         return {"impulse": np.ones(1), "duration": np.array([0.0, 2.0])}
 
@@ -138,6 +146,10 @@ def settled(run):
 
 
 def test_a_run_that_is_too_long_ends_the_search():
+    """If the second mesh raises `TooLong`, the first one is returned with infinite
+    estimates.
+    """
+
     def run_level(factor):
         if factor > 1:
             raise TooLong([("until", "no room")])

@@ -352,7 +352,9 @@ def messages_of(method, system):
     ("system", "lacked"), FOR_CHARACTERISTICS.values(), ids=FOR_CHARACTERISTICS
 )
 def test_fronts_say_what_they_lack_and_which_method_has_it(system, lacked):
-    """It is the one that "auto" then takes. `lacked` has the features by path."""
+    """A system that fronts cannot solve is refused with its features of `lacked`, by
+    path, and with "characteristics" as the method that has them, which "auto" takes.
+    """
     remedy = 'method "characteristics" has'
     expected = {}
     for path, feature in lacked.items():
@@ -388,6 +390,9 @@ def test_steps_are_a_remedy_where_all_that_is_lacked_is_a_taper():
 
 
 def test_options_are_converted_pickled_and_hashed_as_values():
+    """Options become floats and ints, are equal after pickling, and have the hash of
+    equal options.
+    """
     options = Options(until=1, max_events=np.int64(5), snapshots=[0.0])
     same = Options(until=1.0, max_events=5, snapshots=(0.0,))
 

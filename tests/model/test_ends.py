@@ -20,6 +20,7 @@ ENDS = [
 
 
 def test_ends_are_free_unless_something_is_said():
+    """A system without ends equals one with two free ends, and neither is described."""
     system = ri.System([ROD, ROD])
     said = ri.System([ROD, ROD], ends=[ri.Free(), ri.Free()])
     description = system.to_dict()

@@ -35,6 +35,7 @@ LAWS = [
 
 @pytest.mark.parametrize("law", LAWS, ids=repr)
 def test_a_law_survives_its_description(law):
+    """Each law is restored, equal, from its dict and from its repr."""
     described = law.to_dict()
     kind = CONTACT_LAWS[described["law"]]
     from_description = restored(CONTACT_LAWS, "law", described)
@@ -45,6 +46,9 @@ def test_a_law_survives_its_description(law):
 
 
 def test_every_law_has_its_name_and_an_example_here():
+    """The contact laws are exactly these twelve names, each with an example in `LAWS`,
+    and all differ.
+    """
     names = (
         "rigid bonded joint spring spring-dashpot hertz hunt-crossley power yielding "
         "smith-toe cushion tabulated"
@@ -262,6 +266,7 @@ def test_a_rigid_face_makes_a_contact_of_like_faces_twice_as_stiff():
 
 
 def test_radii_make_a_family():
+    """Two radii, one of them infinite, give the stiffnesses of two single contacts."""
     left_radii = np.array([0.01, INF])
     family = ri.Hertz.from_radii(left_radii, 0.02, STEEL, STEEL)
     sphere = ri.Hertz.from_radii(0.01, 0.02, STEEL, STEEL)
@@ -429,6 +434,9 @@ TABLE = ri.Tabulated([1.0, 2.0, 3.0], [1.0, 1.5, 3.5], unloading=4.0)
 
 
 def test_a_table_hardened_by_a_peak_force_is_elastic_up_to_it_and_then_goes_on():
+    """A table that is hardened by a force between two points begins with this force,
+    reached along the unloading line, and goes on with the later points, shifted.
+    """
     # A force of 1.25 is halfway along the second line, from (1, 1) to (2, 1.5): at a
     # compression of 1.5, 0.5 before the next point.
     peak_force = 1.25

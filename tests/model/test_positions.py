@@ -74,6 +74,9 @@ def test_the_velocity_does_not_depend_on_the_origin_of_positions(origin):
 
 @pytest.mark.parametrize("method", ["fronts", "characteristics"])
 def test_an_end_is_where_it_should_be_to_round_off(method):
+    """An end with positions linear between corners has these positions by each method,
+    and energy balances.
+    """
     t = np.linspace(0.0, UNTIL, 41)
 
     solution = run_of(end_on_corners(), method=method)

@@ -101,6 +101,9 @@ def sine_of_arrays_only(x):
     "function", [np.sin, math.sin, sine_as_list, sine_of_arrays_only]
 )
 def test_functions_of_arrays_and_of_numbers_are_sampled_alike(function):
+    """sin as a function of arrays, or of single numbers, becomes the same samples along
+    a rod.
+    """
     samples = rod(velocity=function).velocity
     places = np.linspace(0, 2.0, SAMPLES_ALONG_ROD)
     expected = np.sin(places)
@@ -131,6 +134,9 @@ def test_a_function_with_a_branch_is_sampled_place_by_place():
 
 @pytest.mark.parametrize("drive", [ri.Pushed, ri.Moved])
 def test_a_function_of_time_is_sampled(drive):
+    """A drive given as a function becomes `SAMPLES_IN_TIME` equal steps over its
+    duration.
+    """
     duration = 2e-3  # s
     samples = drive(lambda t: 3 * t, duration=duration).value
     last_value = 3 * duration
@@ -386,6 +392,9 @@ def test_a_number_is_its_own_average():
 
 
 def test_averages_of_steps_with_edges_at_their_jumps_and_across_them():
+    """Averages of a step profile between edges: its values if edges are jumps, weighted
+    means otherwise.
+    """
     steps = ri.Steps([1.0, 2.0, 4.0], at=[0.25, 0.5])
     edges_at_jumps = np.array([0.0, 0.25, 0.5, 1.0])
     edges_across_jumps = np.array([0.0, 0.5, 0.75])

@@ -387,6 +387,8 @@ def test_a_stiffness_of_any_power_must_be_bare():
 
 @pytest.mark.parametrize("quantity", QUANTITIES)
 def test_every_field_refuses_a_quantity_of_something_else(quantity):
+    """Each field refuses a quantity of a wrong unit, with its number; none takes it."""
+
     def wrong_quantity(unit):
         """Grams, or millimetres where grams would be right."""
         wrong_unit = "g"
@@ -433,6 +435,9 @@ def test_what_has_a_unit_and_does_not_convert_is_refused():
 
 @pytest.mark.parametrize("quantity", QUANTITIES)
 def test_families_convert_as_arrays_and_as_lists(quantity):
+    """Lengths in mm as an array, or mixed with numbers in lists, become the same array
+    in m.
+    """
     array = quantity(np.array([400.0, 1000.0]), "mm")
     mixed = [quantity(400.0, "mm"), 1.0]
     nested = ([quantity(400.0, "mm")], [1])
@@ -480,6 +485,7 @@ def test_solve_takes_a_time_step_with_a_unit():
 
 
 def test_solve_takes_snapshots_with_a_unit():
+    """Snapshots in ms give the velocity of the same snapshots in s."""
     times = Quantity(np.array([0.0, 0.05]), "ms")
     converted = ri.solve(ON_A_WALL, snapshots=times, cells=10, **ON_GRID)
     bare = ri.solve(ON_A_WALL, snapshots=[0.0, 5e-5], cells=10, **ON_GRID)
@@ -509,6 +515,9 @@ def test_solve_takes_snapshots_with_a_unit():
     ],
 )
 def test_numbers_of_any_type_become_new_floats(value):
+    """`floats` returns a new array of float64 with the same values, which shares no
+    memory.
+    """
     converted = floats(value, "m")
     expected = np.array(value, dtype=float)
     shares_memory = np.shares_memory(converted, np.asarray(value))

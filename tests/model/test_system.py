@@ -359,6 +359,9 @@ def test_mistakes_in_damping_are_refused(make, messages):
 
 @given(st.floats(1e-3, 1e6), st.floats(1e-3, 1e6))
 def test_a_material_has_the_wave_speed_that_it_was_given(speed, density):
+    """A material made from a wave speed has it, keeps a replaced one, and is equal
+    after `to_dict`.
+    """
     made = ri.Material("m", wave_speed=speed, density=density)
     twice_as_fast = made.replace(wave_speed=2 * speed)
     restored = ri.Material(**made.to_dict())
@@ -507,6 +510,9 @@ def test_wave_speed_transit_time_impedance_and_mass_of_a_segment():
 
 
 def test_gravity_of_0_is_left_out_of_the_description():
+    """Gravity of 0 or -0.0 gives an equal system, whose description does not mention
+    it.
+    """
     system = ri.System([rod()])
     with_zero = ri.System([rod()], gravity=0)
     with_minus_zero = ri.System([rod()], gravity=-0.0)
@@ -953,6 +959,9 @@ def test_a_taper_in_steps_keeps_mass_length_state_and_uniform_segments(areas, n)
 
 
 def test_members_of_a_family_of_stepped_tapers_are_those_alone():
+    """A taper of two lengths, cut into steps, is a family of two; its second member is
+    that made alone.
+    """
     taper = ri.Samples([1e-4, 3e-4])
     lengths = np.array([1.0, 3.0])
     stepped = rod(length=lengths, area=taper).in_steps(2)
@@ -1180,6 +1189,9 @@ def numbers_of(instance):
     "instance", OF_EACH_CLASS, ids=lambda instance: type(instance).__name__
 )
 def test_replace_changes_the_number_that_it_is_told_and_nothing_else(instance):
+    """Each number of an object is halved by `replace` and set back: the object is equal
+    to the first.
+    """
     assert instance.replace() == instance
     for name, value in numbers_of(instance).items():
         half = value / 2

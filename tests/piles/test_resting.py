@@ -51,7 +51,10 @@ def pile_with_helmet(contact):
     ],
 )
 def test_a_pile_stays_at_rest_under_its_weight_and_that_of_a_helmet(contact, bound):
-    """`bound` is the largest velocity of the pile, m/s. Soil and toe bear the weight."""
+    """A pile with a helmet, put to rest by `at_rest`, has no velocity above `bound`,
+    m/s, in 20 ms, and one above 0.01 m/s otherwise. The forces of soil and toe are the
+    weight of both.
+    """
     pile = 2  # index of the body, below ram and helmet
     system = pile_with_helmet(contact)
 

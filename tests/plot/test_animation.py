@@ -381,6 +381,9 @@ def test_a_film_has_as_many_frames_as_asked_for_few_of_them_before_contact(
 
 @pytest.mark.exhaustive
 def test_a_run_with_too_many_regions_is_shown_in_part(solved, monkeypatch):
+    """With a small limit on regions, a film ends before the run and says how much it
+    shows.
+    """
     monkeypatch.setattr("rodimpact.plot.polygons.READABLE_REGIONS", 8)
     solution = solved["unequal"]
 
@@ -441,6 +444,7 @@ def test_save_names_the_formats_of_an_animation(film, tmp_path, name):
 
 @pytest.mark.exhaustive
 def test_a_notebook_plays_it(film):
+    """The HTML of a film holds a GIF of all its frames and a description."""
     image = r'<img src="data:image/gif;base64,(.*?)" alt="(.*?)".*>'
 
     data, description = re.fullmatch(image, film._repr_html_()).groups()
@@ -452,6 +456,8 @@ def test_a_notebook_plays_it(film):
 
 
 def test_an_interruption_leaves_no_file(film, tmp_path):
+    """Saving a film is interrupted at its third frame: no file is left."""
+
     def interrupt(done, total):
         if done == 3:
             raise KeyboardInterrupt
@@ -494,6 +500,7 @@ def test_an_mp4_is_made_by_ffmpeg_from_the_frames(film, tmp_path, monkeypatch):
 
 
 def test_an_error_of_ffmpeg_is_passed_on(film, tmp_path, monkeypatch):
+    """ffmpeg fails: OSError has its message, and no film is left."""
     failing = 'sys.stderr.write("no such codec"); sys.exit(1)'
     install_ffmpeg(tmp_path, monkeypatch, failing)
 

@@ -537,6 +537,9 @@ def test_times_of_a_longer_row_are_not_named_by_lengths_that_add_up():
 
 
 def test_round_trips_of_two_materials_have_two_speeds():
+    """For rods of two materials, the marks of round trips name the length and the speed
+    with the same index.
+    """
     second = rod(material=ri.materials.aluminium)
     solution = ri.solve(ri.System([rod(0.4, 1.0), second]))
 
@@ -646,6 +649,9 @@ def test_pieces_bear_their_velocity_in_parts_of_the_closing_speed(solved):
 
 
 def test_compressed_pieces_are_shorter_and_thicker(solved):
+    """In a snapshot, the compressed piece of a rod is narrower and higher than the free
+    one beside it.
+    """
     picture = plot.snapshots(solved["identical"], times=[0.0, 0.5 / C, 3 / C])
 
     # Two rods at 0 s, then the pieces on both sides of the two fronts
@@ -814,6 +820,9 @@ def test_a_mass_without_duration_has_a_snapshot():
 
 @pytest.mark.parametrize("body", [rod(0.4, 1.0), ri.RigidMass(0.3, velocity=1.0)])
 def test_a_solution_without_duration_has_no_history(body):
+    """Four figures, and that of a gauge, of a solution that ends at 0 s raise
+    ValueError.
+    """
     solution = solved_at_once(body)
 
     for draw in (plot.contact, plot.energy, plot.overview, plot.spacetime):
@@ -928,6 +937,9 @@ def test_words_of_a_page_of_any_width_stay_apart_and_inside(solved, width):
 
 @pytest.mark.exhaustive
 def test_overview_names_the_result(solved):
+    """The title of the overview has bodies, closing speed, e, impulse and duration; a
+    final run has no note.
+    """
     figure = plot.overview(solved["unequal"])
 
     title = (

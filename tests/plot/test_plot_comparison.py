@@ -76,6 +76,9 @@ def predictions():
 
 @pytest.mark.parametrize(("prediction", "label"), predictions())
 def test_shift_and_gain_are_named(prediction, label):
+    """The label of a shifted and scaled prediction names both, and its residual is
+    nearly 0.
+    """
     picture = plot.comparison(PULSE, prediction)
 
     drawn_label = picture.predicted.get_label()

@@ -179,6 +179,9 @@ def test_displacements_are_those_of_the_solution_and_linear_between(solved, name
 @pytest.mark.exhaustive
 @pytest.mark.parametrize("field", ["displacement", "energy"])
 def test_the_frame_of_displacement_and_energy_is_named(solved, field):
+    """The colour bar of a drifting row names the moving frame, that of a row at rest
+    none.
+    """
     drifting = plot.spacetime(solved["drifting"], axes(), field)
     still = plot.spacetime(solved["unequal"], axes(), field)
 

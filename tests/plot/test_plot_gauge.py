@@ -60,6 +60,9 @@ def test_the_limits_of_a_force_begin_at_0():
 
 
 def test_incident_and_reflected_pulse_of_a_struck_bar_are_shaded(struck_bar_solution):
+    """The windows of both pulses have their times and signs; the legend names strain,
+    waves and pulses.
+    """
     picture = draw(struck_bar_solution.gauge(1, 0.4))
 
     incident = (0.4 * TRANSIT, 0.8 * TRANSIT, COMPRESSION_SIGN)

@@ -127,6 +127,9 @@ def test_two_labels_that_overlap_are_spread_about_their_mean(middles, expected):
 
 
 def test_labels_that_overlap_are_spread_about_their_mean_and_others_stay():
+    """Three overlapping labels of width 4 are moved 4 apart with the same mean; a lone
+    one stays.
+    """
     widths = [4.0, 4.0, 4.0, 4.0]
 
     moved = spread_apart([0.0, 1.0, 4.0, 30.0], widths)

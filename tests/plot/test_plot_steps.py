@@ -420,6 +420,9 @@ def test_labels_of_neighbouring_masses_do_not_meet(solved):
 
 @pytest.mark.exhaustive
 def test_overlap_is_named_where_there_is_some(solved):
+    """The axis of the gap of a Hertz contact names the overlap below 0, and its limits
+    hold the least gap.
+    """
     drawn = plot.contact(solved["hertz"])
 
     ax = drawn.gap_ax
@@ -550,6 +553,9 @@ def test_of_many_contacts_those_of_the_largest_forces_are_drawn():
 
 
 def test_the_force_of_an_impact_is_named_a_mean(solved):
+    """The axis of a contact of two masses names the time over which its force is a
+    mean; that of a pressing contact does not.
+    """
     impact = plot.contact(solved["masses"], contact=1).force_ax
     pressing = plot.contact(solved["masses"], contact=0).force_ax
 

@@ -375,6 +375,7 @@ def test_cells_of_values_in_any_order_are_drawn_in_increasing_order():
 
 
 def test_parameters_that_vary_together_are_named():
+    """Four rods share the varied length: the axis names rod 2, rod 3 and "2 more"."""
     striker = rod(1.0, 1.0)
     alike = rod(np.linspace(0.1, 1, 5))
     family = ri.System([striker, alike, alike, alike, alike])
@@ -497,6 +498,7 @@ def test_a_map_has_a_cell_for_each_collision(swept, map_picture):
 
 
 def test_a_map_of_few_collisions_has_a_tick_at_each_number():
+    """A map of 3 x 3 has its lengths and velocities as ticks."""
     lengths = [0.25, 0.5, 0.75]  # m
     velocities = [1.0, 2.0, 3.0]  # m/s
     striker = rod(column(lengths), np.array(velocities))
@@ -509,6 +511,9 @@ def test_a_map_of_few_collisions_has_a_tick_at_each_number():
 
 
 def test_a_map_of_many_collisions_or_of_neighbours_keeps_round_ticks():
+    """Lengths that are too near each other, and velocities that are too many, are no
+    ticks.
+    """
     lengths = [0.31, 0.32, 0.93]  # m
     velocities = np.linspace(0.91, 4.03, 7)  # m/s
     striker = rod(column(lengths), velocities)
@@ -565,6 +570,7 @@ def test_lines_that_do_not_cross_the_map_are_not_drawn():
 
 
 def test_no_line_is_drawn_between_lengths_that_differ_by_round_off():
+    """A map with struck lengths equal to the last bit has no theory lines."""
     lengths = np.linspace(0.1, 2, 20)
     signs = np.arange(20) % 3 - 1  # -1, 0, 1 in turn
     almost_equal_lengths = lengths * (1 + 3e-16 * signs)

@@ -274,6 +274,9 @@ def test_16_samples_at_rest_are_needed_and_told():
 
 
 def test_24_samples_at_rest_are_enough():
+    """Records with 24 samples before a ramp are reduced, with the right peak stress to
+    2 %.
+    """
     result = ri.reduce(*gauges_with_rest(24), BAR, SPECIMEN)
 
     # The specimen transmits all of the strain of 1e-3.

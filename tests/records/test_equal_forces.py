@@ -108,6 +108,9 @@ def test_overlapping_waves_are_separated_by_equal_forces_and_not_without(
 @pytest.mark.usefixtures("all_draws")
 @pytest.mark.exhaustive
 def test_bands_cover_93_percent_of_the_truth_of_overlapping_waves(shot):
+    """Six shots with different noise, assuming equal forces: bands of stress and strain
+    contain more than 93 % of the true values on average.
+    """
     covered = []
     for seed in range(0, 12, 2):  # `reduced` takes the odd seeds, too
         result = reduced(shot, seed=seed)
@@ -134,6 +137,9 @@ def test_the_output_force_goes_on_after_the_wave_is_back_from_the_free_end(shot)
 
 
 def test_the_verdict_says_that_equilibrium_is_assumed(shot):
+    """The verdict has None for equilibrium and nan for imbalance; the text says so and
+    recommends the wave speed of the specimen.
+    """
     result = reduced(shot)
 
     text = str(result)

@@ -61,6 +61,9 @@ def read(tmp_path):
     ids=range(16),
 )
 def test_one_record_is_read_from_tables_of_many_forms(read, text):
+    """A table of this form, in four encodings, gives the same name, unit, times and
+    values.
+    """
     for encoding in ("utf-8", "utf-8-sig", "latin-1", "utf-16"):
         (bar,) = read(text, encoding).values()
         assert bar.name == "bar"
@@ -117,8 +120,8 @@ def test_numbers_are_read_with_the_decimal_sign_that_they_must_have(
 
 
 def test_a_comma_separates_columns_or_is_a_decimal_sign_as_heads_or_arguments_say(read):
-    """ "1,5" is one number with a decimal comma, two columns with a decimal point or
-    below two heads, and one number again between quotes.
+    """The text "1,5" is one number with a decimal comma, two columns with a decimal
+    point or below two heads, and one number again between quotes.
     """
     text = "1,5\n2,5\n"
     by_decimal_comma = read(text, rate=1.0, decimal=",")
@@ -332,6 +335,9 @@ ROUGH_WAVE = 3 * np.sin(SAMPLE_TIMES / 40) + 0.1 * np.sin(SAMPLE_TIMES**2)
 
 
 def test_a_channel_at_the_limit_of_its_recorder_is_announced(read):
+    """A wave cut at 2 V is read with the warning `ClippedSignal`, which names column,
+    value and line.
+    """
     limit = 2.0  # V
     text = table_of(SAMPLE_TIMES, np.minimum(ROUGH_WAVE, limit))
     message = "column 'a' stays at 2 for [0-9]+ samples from line"

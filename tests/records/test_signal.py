@@ -292,6 +292,9 @@ def test_a_gauge_averages_along_its_length():
 
 
 def test_an_amplifier_filters_scales_and_adds_an_offset():
+    """`as_measured` is a low pass of this order, times the scale, plus the offset;
+    without arguments nothing changes.
+    """
     pulse = trapezoid()
     amplified = pulse.as_measured(bandwidth=100e3, order=2, scale=3.0, offset=0.5)
     unchanged = pulse.as_measured()
@@ -339,6 +342,7 @@ def test_a_propagated_pulse_varies_smoothly_with_the_bar():
 
 
 def test_propagation_back_undoes_propagation():
+    """A pulse propagated by 0.5 m in a dispersive bar and back is itself to 1e-5."""
     pulse = trapezoid(rise=20e-6).low_pass(60e3)
     longer = pulse.extended(1e-4, 1e-4)
     there = longer.propagated(0.5, BAR)

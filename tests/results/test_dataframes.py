@@ -83,6 +83,9 @@ def test_a_dataset_of_a_solution_says_which_version_made_it_of_which_case():
 
 
 def test_a_dataset_of_a_sweep_says_which_version_made_it_and_its_first_case():
+    """The attributes of the dataset have the version, and a case that is the first
+    member.
+    """
     striker = LEFT.replace(length=[[0.2], [0.4]])
     family = ri.System([striker, RIGHT])
     notes = ri.sweep(family).to_xarray().attrs

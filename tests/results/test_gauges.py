@@ -279,6 +279,9 @@ def test_a_signal_is_the_mean_under_a_spline(options):
 
 
 def test_a_signal_says_that_it_is_strain_and_where_unless_it_gets_a_name(bars):
+    """A signal of a gauge is named after its rod and position, or as given, also in
+    xarray.
+    """
     record = bars.gauge(2, 0.5)
 
     assert record.signal().name == "strain of rod 3 at 0.5 m"

@@ -213,6 +213,9 @@ def test_a_rod_between_walls_that_move_apart_has_its_own_velocity(
 def test_a_rod_between_walls_of_one_velocity_has_it_after(
     method, left, right, velocity
 ):
+    """A rod held by two walls of one velocity has exactly this velocity after, as the
+    walls.
+    """
     moving_rod = rod(1.0, 1.0, velocity=1.0)
     system = held(moving_rod, left, right)
     outcome = ri.solve(system, 1.25, method, **OPTIONS[method]).outcome
@@ -228,6 +231,9 @@ def test_a_rod_between_walls_of_one_velocity_has_it_after(
     "impedances", [(1, 2, 4), (1, 3, 9), (1, 1.5, 3), (2, 3, 4), (1, 5, 1), (4, 1, 4)]
 )
 def test_a_bar_without_end_that_a_wall_pushes_stays_at_the_wall(impedances, mirrored):
+    """A moving wall meets a bar whose far end absorbs: e = 0, by `solve` and by
+    `sweep`, also mirrored.
+    """
     bodies = [ri.Wall(1.0), stepped(impedances)]
     system = ri.System(bodies, ends=(ri.Free(), ri.Absorbing()))
     if mirrored:
@@ -248,6 +254,7 @@ def test_a_restitution_of_round_off_is_0_and_a_small_one_stays():
 
 
 def test_a_restitution_of_the_round_off_of_a_common_velocity_is_0():
+    """Velocities after that differ by the last bit of 1e4 m/s give e = 0."""
     common = 1e4  # m/s
     next_velocity = math.nextafter(common, math.inf)
     before = (common + 0.125, common)

@@ -40,6 +40,9 @@ def test_energy_falls_to_that_of_the_rigid_motion_as_the_slowest_mode_decays():
 
 
 def test_without_damping_vibration_never_decays():
+    """Rods without damping: the energy of vibration is constant, both decay times are
+    infinite, and the text says "never".
+    """
     solution = ri.solve(pair(STEEL), until=3e-3, method="finite-difference", cells=40)
 
     decay = solution.ring_down()

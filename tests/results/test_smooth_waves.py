@@ -212,6 +212,9 @@ def test_a_velocity_that_jumps_has_two_sides(vibrating_solution):
 def test_displacement_is_the_integral_of_velocity_and_of_strain(
     vibrating_solution, x, t
 ):
+    """The displacement at x and t is the integral of the exact velocity over time and
+    of the initial strain along x.
+    """
     moved = integral(lambda t: velocity(x, t), 0.0, t, jumps_in_time(x))
     stretch = integral(lambda x: strain(x, 0.0), 0.0, x, jumps_along(0.0))
     expected = moved + stretch

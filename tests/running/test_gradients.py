@@ -125,6 +125,9 @@ def test_the_box_has_smooth_derivatives_by_lengths_and_a_kink_at_equal_areas():
 
 
 def test_derivatives_have_units():
+    """The derivative of an impulse by length and area has the units N s/m and N s/m^2,
+    which are printed.
+    """
     units = {"bodies.1.length": "N s/m", "bodies.1.area": "N s/m^2"}
     g = ri.gradient(pair(), of="impulse.0", wrt=list(units))
     assert g.unit == "N s"
@@ -356,6 +359,9 @@ def test_the_impulse_beside_a_fixed_end_is_proportional_to_the_velocity():
 
 @pytest.mark.exhaustive
 def test_one_sided_derivatives_beside_a_fixed_end_are_those_of_the_mirrored_row():
+    """Both one-sided derivatives by an area are finite and equal those of the mirrored
+    row.
+    """
     system = rod_on_fixed_rod()
 
     g = ri.gradient(system, "impulse.0", ["bodies.0.area"])

@@ -418,6 +418,9 @@ def test_members_of_random_rows_equal_one_at_a_time(seed, until):
 
 
 def test_a_member_that_stops_early_keeps_what_is_known():
+    """Three members stop at 200 events: incomplete, without e, explained, and equal to
+    single runs.
+    """
     result = ri.sweep(chain(), max_events=200)
     statuses = result.status.tolist()
     assert statuses == ["max_events"] * 3
@@ -469,6 +472,9 @@ def rod_on_a_wall():
 
 
 def test_a_cap_before_the_time_asked_for_is_reported_although_the_outcome_is_final():
+    """Two members are final, but the cap stops them before `until`: status and
+    explanation say so.
+    """
     system = pair(lengths=np.array([0.4, 0.7]), areas=1e-4)
     result = ri.sweep(system, until=1.0, max_events=500)
     assert result.final.all()
@@ -1055,6 +1061,7 @@ def test_wrong_readings_are_refused(also, message):
 
 
 def test_a_sweep_runs_where_no_thread_can_start(monkeypatch, small_chunks):
+    """If threads cannot start, a sweep has the bits of a threaded one."""
     family = small_map()
     threaded = ri.sweep(family)
 

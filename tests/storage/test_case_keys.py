@@ -129,6 +129,9 @@ def test_the_example_of_each_table_is_read_and_has_all_required_keys(title):
 
 
 def test_every_declared_class_has_a_table_that_names_and_explains_it():
+    """The page on case files has a table for each declared class, with its name and the
+    summary of its docstring.
+    """
     assert set(KINDS) <= set(TABLES)
     for title, kind in KINDS.items():
         summary = inspect.getdoc(kind).partition("\n")[0]

@@ -198,6 +198,9 @@ def test_an_end_is_read_on_either_side_and_written_as_it_is(written, end):
     ("earlier", "end"), [("force", ri.Pushed(2.0)), ("velocity", ri.Moved(2.0))]
 )
 def test_earlier_kinds_of_ends_are_read_from_cases_and_dicts(earlier, end):
+    """An earlier name of a kind of end is read from a case and a dict, and written with
+    the present name.
+    """
     case = parse_case(HEAD + A_ROD + LEFT + f"'{earlier}'\nvalue = 2")
 
     data = case.system.to_dict()

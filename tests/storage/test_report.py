@@ -119,6 +119,9 @@ def test_undefined_restitution_is_a_dash_with_its_reason():
 
 
 def test_a_run_that_is_not_over_says_so_once_and_has_velocities_at_the_end():
+    """A run that is cut short prints "velocity at the end" and its status once; t_final
+    is None in JSON.
+    """
     solution = ri.solve(ri.System([rod(0.4, 1.0), rod(1.0)]), until=1e-4)
 
     text = str(solution)
@@ -184,6 +187,9 @@ def ball_solution():
 
 
 def test_a_long_list_of_episodes_is_cut_and_counted(ball_solution):
+    """The episodes of a bouncing ball: the first ones, the number left out, and the
+    last one are printed.
+    """
     (contact,) = ball_solution.contacts
     n_left_out = len(contact.episodes) - report.MAX_LISTED_EPISODES - 1
     lines = str(ball_solution).splitlines()
