@@ -199,9 +199,8 @@ def test_a_point_whose_cell_needs_too_many_events_is_unresolved(uniform_atlas):
 
 
 def test_a_cell_ends_where_the_gap_never_closes():
-    """At equal velocities the time of contact is gap/0, and conditions are not finite.
-
-    Such a point is outside, and so are those at which the gap opens.
+    """The cell of a run with a gap holds a point of closing velocities. Points of equal
+    velocities, where the time of contact is gap/0, and of opening ones lie outside.
     """
     paths = ["bodies.0.velocity", "bodies.1.velocity"]
     first = unit_rod(velocity=1.0)

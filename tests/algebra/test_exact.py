@@ -31,7 +31,9 @@ def test_the_box_is_two_fifths():
 
 
 def test_steps_of_an_area_are_borders_as_they_are_written():
-    """In fractions a step at 0.1 m of 0.4 m makes segments of 0.1 m and 0.3 m."""
+    """A rod of 0.4 m whose area steps at 0.1 m has, in fractions, the collision of a
+    rod with segments of 0.1 m and 0.3 m.
+    """
     area = ri.Steps([1e-4, 2e-4], at=[0.1])
     by_steps = ri.Rod(0.4, area=area, material=STEEL, velocity=1.0)
     thin = ri.Segment(0.1, 1e-4, STEEL)

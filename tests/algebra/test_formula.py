@@ -505,7 +505,9 @@ STEPPED_PAIR = ri.System(
 
 @pytest.mark.exhaustive
 def test_conditions_of_a_stepped_rod_are_not_worked_on_without_bound(monkeypatch):
-    """Those of three segments in all take more than ten minutes."""
+    """The conditions of three segments would take more than ten minutes: the text says
+    that they are too long, and `cell` is refused with advice.
+    """
     monkeypatch.setattr(rational_functions, "MAX_CONDITION_TERMS", 500)
     form = ri.closed_form(STEPPED_PAIR, ["area"])
 

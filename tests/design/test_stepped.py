@@ -132,9 +132,8 @@ def sensitivity(ratios):
 
 @pytest.mark.parametrize("seed", few_of([*range(10), 82], [0]))
 def test_a_hidden_striker_is_found_as_well_as_its_pulse_tells(seed):
-    """Its areas are those of a random striker whose pulse is wanted.
-
-    A pulse that hardly depends on an area tells it with that much less accuracy.
+    """A striker is designed for the pulse of a random striker, and has its areas. An
+    area on which the pulse hardly depends is found with that much less accuracy.
     """
     rng = default_rng(seed)
     smallest, largest = np.log(WIDE)

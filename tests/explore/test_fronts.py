@@ -180,7 +180,9 @@ def test_forces_and_gaps_on_the_page_are_those_of_the_contacts(solved_twice, mot
 
 
 def test_a_gauge_on_the_page_records_the_strain_of_the_solution(solved_twice, motion):
-    """It is on the first rod, at 0.3 of its length."""
+    """A gauge at 0.3 of the length of the first rod: the strain of the page is that of
+    the solution in each of its intervals.
+    """
     bodies = solved_twice.system.bodies
     body = 0
     while not isinstance(bodies[body], ri.Rod):

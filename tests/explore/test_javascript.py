@@ -552,8 +552,9 @@ def test_joints_too_many_fronts_and_lengths_that_are_no_number_are_told_on_the_p
 
 @needs_node
 def test_scenes_of_the_page_are_those_of_python_with_the_same_functions():
-    """They agree as nearly as is drawn, since in Python fronts run on a longer
-    clock.
+    """For each of `DESIGNS`, the scene made in JavaScript equals that made in Python as
+    nearly as is drawn; in Python fronts run on a longer clock. Restitutions are those
+    of closed forms.
     """
     pages = answers("sceneOf", [*DESIGNS.values()])
     for key, answer in zip(DESIGNS, pages, strict=True):

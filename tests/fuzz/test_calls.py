@@ -108,8 +108,8 @@ def test_good_arguments_are_answered_and_attributes_read():
 
 
 def test_one_bad_value_of_an_argument_is_answered_or_refused_in_a_sentence():
-    """One for every third name but those of figures; all of them under
-    `exhaustive`.
+    """Every third call, except figures, gets one random bad value for one argument: it
+    returns, or refuses it in a sentence. All values are tried under `exhaustive`.
     """
     rng = default_rng(0)
     quick = [call for call in CALLS if not call.name.startswith(FIGURES)]

@@ -178,7 +178,9 @@ SHORT_FORMULAS = [text for text in CASES if "Two stepped rods" not in text]
 def test_formulas_of_all_symbols_are_found_or_refused(
     capsys, monkeypatch, tmp_path, text
 ):
-    """Without --symbols; a formula that is too long is refused with a remedy."""
+    """`formula` without --symbols prints a formula, or is refused with a message on
+    standard error and without output.
+    """
     monkeypatch.chdir(tmp_path)
     (tmp_path / "case.toml").write_text(text)
     status = main(["formula", "case.toml"])

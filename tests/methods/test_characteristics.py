@@ -712,8 +712,8 @@ STRIKING_MASS = ri.RigidMass(0.2, velocity=1.0)
     ],
 )
 def test_impulses_are_as_exact_as_rtol_says(bodies, laws, rtol):
-    """They differ from those of a run of much smaller rtol by at most rtol times the
-    largest.
+    """The impulses of a row differ from those of a run with rtol 1e-11 by at most rtol
+    times the largest.
     """
     fine = solve_row(bodies, until=4.0, contacts=laws, rtol=1e-11)
 
@@ -730,8 +730,9 @@ GAPS = np.linspace(0.1, 0.12, 21).tolist()  # m
 
 @pytest.mark.parametrize("gap", [*few_of(GAPS, GAPS[::5]), 0.1105])
 def test_a_gap_of_any_width_closes_on_time(gap):
-    """At 1 m/s it closes at t = gap; the contact ends when the wave in the struck rod,
-    0.75 m long, is back at it.
+    """A rod at 1 m/s closes a gap at t = gap; the contact ends when the wave in the
+    struck rod, 0.75 m long, is back. Episode, duration, e and the energy lost by the
+    method, 0, are exact to 1e-11.
     """
     # The velocity is a function so that fronts, which take none, are not chosen.
     striker = unit_rod(velocity=lambda x: 1.0 + 0 * x)

@@ -152,8 +152,8 @@ def test_an_incoming_wave_is_that_of_a_long_rod(method, mirrored):
 @pytest.mark.parametrize("mirrored", [False, True])
 @pytest.mark.parametrize("method", ["fronts", "characteristics"])
 def test_an_incoming_wave_brings_its_energy(method, mirrored):
-    """It counts as negative radiation: E A c times strain squared, for the time that
-    the wave lasts; nothing has come back yet.
+    """An incoming wave counts as negative radiated energy: E A c times strain squared,
+    over the time that the wave lasts; nothing has come back yet. Also mirrored.
     """
     system = with_incoming_wave()
     if mirrored:
@@ -270,8 +270,8 @@ def test_an_end_stays_as_near_to_its_mean_motion_as_the_proof_bounds(
 
 @pytest.mark.parametrize("area", [0.3, 1.0, 1.1, 2.0, 10.0])
 def test_a_striker_on_an_endless_bar_comes_to_its_end(area):
-    """It is final with e = (1 - r)/(1 + r), r the ratio of impedances, or 0 if the
-    striker has the larger one.
+    """A striker hits a bar whose far end absorbs: the collision is final with e = (1 -
+    r)/(1 + r), r the ratio of the impedances of striker and bar, or 0 if r > 1.
     """
     striker = unit_rod(1.0, area=area, velocity=1e-3)
     endless_bar = unit_rod(0.5)  # its far end absorbs

@@ -58,9 +58,9 @@ def test_stated_errors_cover_those_of_the_duration_and_of_the_last_force(area, l
 
 
 def test_a_decaying_force_is_cut_off_with_a_sentence():
-    """It decays by (1.2 - 1)/(1.2 + 1) = 1/11 each round trip of 2 s: after 14 of them
-    it is 3e-15 and counts as none. It would last for 40 s, until the wave in the long
-    rod is back.
+    """A force falls to (1.2 - 1)/(1.2 + 1) = 1/11 in each round trip of 2 s: after 28 s
+    it is 3e-15 and counts as none, though it would last for 40 s. The stated error of
+    the duration is the difference, and the status names it.
     """
     cut_off = 28.0  # s
     end = 40.0

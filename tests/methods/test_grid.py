@@ -121,10 +121,8 @@ def episodes_of(solution):
 
 
 def assert_shut_gaps_are_zero(solution, k):
-    """Where a contact presses in two steps, its gap at the end of the second is exactly
-    0.
-
-    It may have shut in the middle of the first.
+    """If contact k presses in two successive steps, its gap at the end of the second is
+    exactly 0; in the first, it may have closed in the middle. No gap is negative.
     """
     force = solution.contacts[k].push.values  # N [step]
     gap = gaps_of(solution, k)  # m, before and after each step [step + 1]
@@ -138,8 +136,8 @@ def assert_shut_gaps_are_zero(solution, k):
 @pytest.mark.parametrize("cells", few_of([70, 110], [70]))
 @pytest.mark.parametrize("system", ROWS.values(), ids=ROWS)
 def test_contacts_of_rods_have_the_exact_number_of_episodes(system, cells):
-    """It is that of fronts: contacts do not chatter. Where rigid ones press, their gaps
-    are exactly 0.
+    """Rods on a grid have the numbers of episodes of fronts: contacts do not chatter.
+    While rigid contacts press, their gaps are exactly 0.
     """
     exact = ri.solve(system, method="fronts")
 
@@ -571,7 +569,10 @@ def assert_balanced(solution, until):
 @pytest.mark.parametrize("until", [0.026, 0.1, 1.0])
 @pytest.mark.parametrize("size", SIZES)
 def test_a_run_ends_where_it_was_asked_to_end(until, size):
-    """It takes whole steps, which are shortened so that the last one ends there."""
+    """A run on a grid ends exactly at `until`: it takes whole steps, which are
+    shortened for this. The velocity in the middle of the rod is that of the wave from
+    the mass, and the balances hold.
+    """
     solution = solve_row(STRIKER_AND_MASS, until=until, **size)
 
     assert solution.t_end == until
@@ -768,8 +769,8 @@ def with_all_states():
 
 
 def test_a_number_of_snapshots_is_kept_and_changes_no_outcome(with_all_states):
-    """Of 10 snapshots 4 to 12 states are kept; impulse and velocities are those of a
-    run with all states.
+    """With snapshots=10 between 4 and 12 states are kept; impulse and velocities are
+    those of a run with all states.
     """
     solution = solve_with_snapshots(10)
 

@@ -42,7 +42,9 @@ def amplitude(t, damping):
 
 @pytest.mark.parametrize("damping", [0.3, 3.0, 30.0])
 def test_a_standing_wave_dies_out_as_the_telegraph_equation_says(damping):
-    """Its velocity at nine places is `amplitude` times cos(pi x), for two half periods."""
+    """A free rod in drag starts with its lowest mode. Its velocity at nine positions is
+    `amplitude` times cos(pi x), for two half periods.
+    """
     rod = standing_wave(ri.Drag(damping))
     system = ri.System([rod])
     t = np.linspace(0.0, 2 * HALF_PERIOD, 21)
@@ -232,8 +234,8 @@ def test_a_continued_run_is_one_that_did_not_stop():
 
 @pytest.mark.parametrize("method", ["fronts", "characteristics"])
 def test_other_methods_say_that_they_have_no_drag(method):
-    """They are refused at the path of the shaft, and the message names the method that
-    has drag.
+    """The other methods refuse a rod in drag at the path of its shaft; the message
+    names the method that has drag.
     """
     rod = standing_wave(ri.Drag(1.0))
     system = ri.System([rod])

@@ -491,8 +491,8 @@ def test_a_gap_closes_at_its_time_but_not_before_the_first_kick(share):
 
 
 def test_a_mass_squeezed_between_walls_stops_the_run():
-    """It is refused with the path of the contacts. The second wall is a rod whose end
-    is nailed down from within.
+    """A mass between a moving wall and a rod, whose first node is fixed by editing the
+    mesh, is squeezed: the run is refused at the path contacts.
     """
     laws = [ri.Rigid(restitution=0.5), ri.Rigid()]
     bodies = [ri.Wall(0.5), ri.RigidMass(1.0), unit_rod()]

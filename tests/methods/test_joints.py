@@ -244,7 +244,9 @@ def test_an_end_beyond_joints_is_where_the_proof_says_and_stays_within_its_bound
 
 @both_methods
 def test_a_compressed_joint_sets_a_row_at_rest_in_motion(method):
-    """It drives two rods at rest apart, so far that the second strikes the third."""
+    """A compressed joint drives two rods at rest apart, so far that the second strikes
+    the third, which moves afterwards.
+    """
     bodies = [unit_rod(), unit_rod(), unit_rod()]
     compressed = ri.Joint(2.0, stretch=-0.1)
     system = ri.System(

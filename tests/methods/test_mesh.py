@@ -45,7 +45,9 @@ def test_cells_that_hardly_move_are_refused_unless_they_are_few(segment, field):
 
 
 def test_the_mesh_is_chosen_whose_courant_numbers_are_nearest_to_1():
-    """It is chosen among those with 100 to 199 cells in the longest of three rods."""
+    """The mesh of three rods has 100 to 199 cells in the longest one and Courant
+    numbers from 0.997 to 0.999.
+    """
     lengths = [1.0, 0.75, math.sqrt(0.5)]  # and transit times
     rods = [unit_rod(length) for length in lengths]
     row = build_row(ri.System(rods))
@@ -60,7 +62,9 @@ def test_the_mesh_is_chosen_whose_courant_numbers_are_nearest_to_1():
 
 
 def test_the_shortest_rod_has_8_cells_at_least():
-    """With a hundred cells in the longest rod it would have two."""
+    """A rod 50 times shorter than another gets at least 8 cells; a hundred cells in the
+    longest rod would leave it two.
+    """
     system = ri.System([unit_rod(), unit_rod(0.02)])
     row = build_row(system)
 

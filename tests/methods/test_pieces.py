@@ -74,7 +74,9 @@ def test_integrals_are_exact_to_the_degree_of_radau(degree):
 
 
 def test_the_truncation_estimate_is_the_size_of_the_last_two_coefficients():
-    """Its size is the sum of their absolute values, for random coefficients."""
+    """For random coefficients, the truncation estimate of a series is the sum of the
+    absolute values of its last two.
+    """
     c = random_series(5)
     values = values_at_points(c)
     last = abs(c[-1])
@@ -88,7 +90,7 @@ def test_the_truncation_estimate_is_the_size_of_the_last_two_coefficients():
 
 @pytest.mark.parametrize("seed", range(20))
 def test_the_smallest_value_of_a_series_is_found(seed):
-    """It is compared with the smallest of 100,001 values of the series."""
+    """The minimum of a random series is the smallest of 100,001 of its values, to 1e-6."""
     c = random_series(seed)
     c[0] = 0.0
     places = np.linspace(-1, 1, 100_001)
@@ -382,7 +384,9 @@ def quadrature(tick, ticks):
 def test_dense_breaks_keep_momentum_and_its_first_moment_and_gain_no_energy(
     tick, ticks
 ):
-    """One smooth piece takes the place of all that arrives for `ticks` from `tick` on."""
+    """One smooth piece replaces the wave that arrives for `ticks` from `tick` on:
+    integral and first moment stay, and the integral of the square does not grow.
+    """
     line, log = line_of_pieces()
     lines.advance_to(line, log, FIRST_LINE, tick)
     smoothed = work()
@@ -485,8 +489,9 @@ def test_a_break_is_hard_where_what_jumps_is_above_tolerance(
 
 @pytest.mark.parametrize(("sent", "order"), [(2.0, 0), (0.5, 1)])
 def test_the_first_reflection_of_a_free_end_has_a_break_of_its_order(sent, order):
-    """What arrives at t = 0 begins with 1 - 0.5, and is sent after what is under way,
-    the constant `sent`: it jumps (order 0), or only its slope does (1).
+    """The wave that arrives at a free end begins at t = 0 with 1 - 0.5 and is sent back
+    after the constant `sent`: the reflected piece jumps there (order 0), or only its
+    slope does (order 1).
     """
     incoming = (-1000, 0, SMOOTH, [1.0, 0.5])
     run, line, log = line_of(incoming, delay=1000)
@@ -615,8 +620,8 @@ def test_a_force_satisfies_its_law(fields):
 
 @pytest.mark.parametrize("fields", LAWS.values(), ids=LAWS)
 def test_derivatives_of_a_force_are_its_difference_quotients(fields):
-    """Its derivatives by overlap and by closing velocity are compared with central
-    differences.
+    """The derivatives of the force of a link by overlap and by closing velocity are its
+    central differences.
     """
     link = pressed_link(fields)
     step = 1e-6
@@ -689,8 +694,9 @@ def test_one_guard_ends_a_status_and_names_the_next(
 
 @pytest.mark.parametrize(("law", "side"), [(Law.PUSH_LEFT, 0), (Law.PUSH_RIGHT, 1)])
 def test_a_force_that_pushes_an_end_is_as_rough_as_the_velocity_it_makes(law, side):
-    """What comes in from this side is a force of the drive, which makes a velocity of 2
-    mobility F; beside a rigid contact the same values are a velocity.
+    """The values that come in from one side of a node are a driving force, which makes
+    a velocity of 2 mobility F: their truncation error is 2 mobility times that of the
+    values; beside a rigid contact they are a velocity, and it is that of the values.
     """
     values = random_series(7)
     truncation = series.truncation_estimate(values.tolist())

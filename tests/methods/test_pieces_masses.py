@@ -312,8 +312,8 @@ def test_the_stated_error_of_a_duration_after_a_long_flight_bounds_the_true_one(
 
 @pytest.mark.parametrize("gap", [1e10, 1e20])
 def test_a_contact_too_short_for_the_clock_is_refused(gap):
-    """It is short beside the flight over the gap, at 1 m/s, which the same clock
-    counts.
+    """A contact that is short beside the flight over the gap, which the same clock
+    counts, is refused with its duration.
     """
     law = ri.Hertz(1e10)
     system = ri.System([STRIKER, ri.Wall()], gaps=[gap], contacts=[law])

@@ -48,7 +48,9 @@ def solved(system, compiling):
 def test_a_run_that_starts_with_little_room_comes_to_the_same_numbers(
     monkeypatch, seed
 ):
-    """Its logs are lengthened as it goes."""
+    """A random row is run with short logs, which are lengthened on the way: all numbers
+    are those of a usual run.
+    """
     system = random_network(seed)
     expected = solved(system, compiling=False)
     monkeypatch.setattr(driver, "INITIAL_LOG_ROWS", 4)
@@ -184,7 +186,9 @@ def test_random_rows_are_near_those_of_finite_differences_and_keep_their_energy(
 
 @pytest.mark.exhaustive
 def test_waves_that_are_smoothed_keep_the_momentum_of_each_rod():
-    """It changes by what the two contacts of the rod give it."""
+    """Four rods run so long that their waves are smoothed, as the status says. The
+    momentum of each inner rod changes by the impulses of its two contacts.
+    """
     rng = default_rng(22)
     lengths = rng.uniform(0.11, 1.3, 4)
     areas = rng.uniform(0.3, 2.0, 4)

@@ -80,7 +80,10 @@ def test_velocities_of_a_row_with_a_ratio_of_1e4_are_right_to_the_stated_error()
 
 
 def test_a_run_with_too_many_pieces_names_the_short_rod_if_there_is_one(monkeypatch):
-    """Where no rod is short, a larger rtol is the remedy."""
+    """With a small limit on memory, a row with a short rod is refused with its path and
+    the advice of a rigid mass; one without a short rod with the advice of a larger
+    rtol.
+    """
     monkeypatch.setattr(memory, "MAX_BYTES", 3e5)
     with_short_rod = row(1e-5, "bonded hertz")
     without_short_rod = row(0.1, "hertz")

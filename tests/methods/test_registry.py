@@ -367,7 +367,9 @@ def test_fronts_say_what_they_lack_and_which_method_has_it(system, lacked):
 @pytest.mark.parametrize("method", ["fronts", "characteristics"])
 @pytest.mark.parametrize(("system", "lacked"), FOR_A_GRID.values(), ids=FOR_A_GRID)
 def test_methods_say_what_they_lack_and_that_the_grid_has_it(system, lacked, method):
-    """It is the one that "auto" then takes. `lacked` has the features by path."""
+    """A system that a method cannot solve is refused with its features of `lacked`, by
+    path, and with "finite-difference" as the method that has them, which "auto" takes.
+    """
     remedy = 'method "finite-difference" has'
     expected = {}
     for path, feature in lacked.items():

@@ -63,7 +63,9 @@ def test_steps_have_their_values_on_both_sides_of_ticks_and_their_integrals(
 def test_integrals_of_products_of_steps_are_sums_over_ticks(
     first, second, start, length, about
 ):
-    """With the second signal as it is, and as it runs backwards: s(about - t)."""
+    """The integral of the product of two step signals is the sum over ticks, also with
+    the second signal s reversed in time, s(about - t).
+    """
     stop = start + length
     exact = 0
     exact_backwards = 0
@@ -292,7 +294,10 @@ def test_a_constant_signal_needs_no_marks_but_its_breaks():
 
 
 def test_what_acts_for_a_moment_does_not_gather_round_off_afterwards():
-    """As the force of a wall that a bar under gravity left long ago."""
+    """A signal acts in one early piece of 40,000, as the force of a wall that a bar
+    left long ago. Its double integral at the end is impulse times the time since, to
+    1e-14.
+    """
     count = 40000
     width = 7  # ticks of a piece
     force = np.zeros((count, 1))  # constant pieces

@@ -109,7 +109,9 @@ LEAST_ERROR = 1e-14  # true one that a finer run can show
     "seeds", few_of([range(50, 58), range(40, 60)], [range(50, 58)])
 )
 def test_half_of_the_stated_errors_are_near_the_true_ones(seeds):
-    """Of each measure, at most as many times the true ones as `MEDIANS` says."""
+    """For random rows of all kinds, the median ratio of the stated to the true error of
+    each measure is at most that in `MEDIANS`.
+    """
     ratios = {name: [] for name in MEDIANS}
     for kind, seed in product(KINDS, seeds):
         system, until = random_compliant_row(kind, seed)

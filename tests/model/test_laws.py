@@ -364,7 +364,9 @@ def test_mean_force_times_change_is_the_work_of_a_power_also_across_a_gap(expone
 
 @pytest.mark.parametrize("exponent", [1.01, 1.5, 2.0, 2.7, 6.0])
 def test_the_slope_of_the_mean_force_is_its_derivative_by_the_later_overlap(exponent):
-    """It is compared with a difference over 2e-6."""
+    """The slope that `mean_force` gives, between random overlaps, is the central
+    difference of the mean force by the later overlap.
+    """
     rng = np.random.default_rng(2)
     link = power_link(stiffness=5.0, exponent=exponent)
     step = 1e-6

@@ -611,7 +611,9 @@ def test_a_family_of_every_kind_of_number_survives_its_description(family):
 
 
 def test_a_member_of_a_family_has_its_own_numbers(family):
-    """It is the third along the first axis and the second along the second."""
+    """The member [2, 1] of a family has its numbers of a mass, a contact, gravity and
+    an end.
+    """
     member = family[2, 1]
     assert member.shape == ()
     assert member.bodies[1] == ri.RigidMass(2.0, velocity=3.0)
@@ -885,8 +887,9 @@ def test_tapers_of_a_family_of_lengths_have_masses_in_proportion():
 
 
 def test_the_mass_of_a_cone_is_nearly_that_of_the_curve_itself():
-    """Its samples stand for it. The area grows from A to 4 A: the volume of a frustum
-    is its length times (A + sqrt(A 4 A) + 4 A)/3.
+    """A cone is kept as samples of its area. Its mass is, to 1e-6, that of a frustum
+    whose area grows from A to 4 A: density times length times (A + sqrt(A 4 A) + 4
+    A)/3.
     """
     first_area = 1e-4
     length = 1.0

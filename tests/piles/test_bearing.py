@@ -298,7 +298,9 @@ def test_an_unknown_column_of_a_graph_is_refused(short_graph):
 
 
 def test_a_blow_without_set_has_no_blow_count():
-    """It is cut short before the toe moves."""
+    """A blow is cut short before the toe moves: its set is 0, its blow count infinite,
+    "-" in the table, and its graph is not drawn.
+    """
     system = pipe_pile("smith")
 
     graph = ri.bearing_graph(system, [500e3], cells=8, until=2e-3)

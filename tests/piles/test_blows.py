@@ -187,7 +187,9 @@ def test_the_ram_is_caught_after_its_first_bounce():
 
 @needs_compiler
 def test_a_ram_that_rattles_on_the_pile_is_not_caught():
-    """It is off for less than a round trip of waves, and struck again from below."""
+    """A ram leaves the pile for less than a round trip of waves, more than twice, and
+    is struck again from below: the blow goes on beyond 0.03 s.
+    """
     system = random_pile(1)  # its ram rattles
 
     (blow,) = ri.blows(system, 1, cells=24)

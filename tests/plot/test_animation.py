@@ -176,7 +176,9 @@ def test_the_factor_of_displacements_is_named(magnified_film):
 
 
 def test_displacements_are_magnified(solved, magnified_film):
-    """In the last frame the gap is white, and the rod beside it has a colour."""
+    """In the last frame of a film, magnified 1000 times, the middle of the drawn gap is
+    white, and the rod beside it has a colour.
+    """
     solution = solved["unequal"]
     t = magnified_film.times[2]
     gap = float(solution.contacts[0].gap(t))
@@ -197,8 +199,8 @@ def test_displacements_are_magnified(solved, magnified_film):
 @pytest.mark.exhaustive
 @pytest.mark.parametrize("number", [1, 4])
 def test_the_future_is_hidden_and_the_past_is_that_of_the_end(film, number):
-    """In the diagram all is white above the present time, and below it all pixels are
-    those of the last frame.
+    """The space-time diagram of a frame is white above the present time; below it all
+    pixels are those of the last frame.
     """
     diagram = diagram_of(film)
     box = diagram.get_window_extent()

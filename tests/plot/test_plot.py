@@ -276,7 +276,9 @@ def test_the_strongest_front_of_a_crowd_has_a_line(crowded_picture):
 
 
 def test_bars_of_a_crowd_merge_and_keep_length_and_momentum(crowded_solution):
-    """In a snapshot pieces of nearly the same velocity are drawn as one bar."""
+    """In a snapshot with many pieces, those of nearly the same velocity are drawn as
+    one bar: fewer than half as many, with the length and momentum of both rods.
+    """
     end = crowded_solution.t_end
 
     stages = plot.snapshots(crowded_solution, axes(), [end], magnification=1.0)
@@ -304,8 +306,9 @@ def times_of_ends(line):
 
 
 def test_contact_presses_then_touches_then_opens(solved):
-    """It presses until the wave is back from the free end of the striker, touches until
-    the wave is back from that of the struck rod, and is apart until the run ends.
+    """In a diagram of two unequal rods, the contact presses until the wave is back from
+    the free end of the striker, touches until that of the struck rod is back, and is
+    apart until the run ends; pressing is drawn wider, and the legend names all three.
     """
     transit = 0.4 / C * MICROSECONDS  # of the striker
     force_end = 2 * transit
@@ -620,7 +623,9 @@ def test_moments_are_events_and_times_between_them(solved):
 
 @every_row
 def test_moments_are_few_and_inside_the_solution(solved, name):
-    """They are three to eight times, from 0 to the end of the run."""
+    """The `moments` of a solution are three to eight rising times, from 0 to the end of
+    the run.
+    """
     solution = solved[name]
 
     times = moments(solution)
@@ -675,7 +680,9 @@ def test_pieces_of_rods_that_do_not_close_bear_their_velocity(solved):
 
 
 def test_the_force_is_drawn_as_exact_steps(solved):
-    """With an impedance ratio of 3 each round trip halves the force."""
+    """The contact force of rods with an impedance ratio of 3 is drawn in kN as steps,
+    halved in each round trip, up to the end of the run.
+    """
     solution = solved["impedances"]
     transit = 0.25 / C * MICROSECONDS
     first_force = STEEL.density * C * AREA * 0.75  # Z1 Z2/(Z1 + Z2) = 3/4 Z2
@@ -694,7 +701,7 @@ def test_the_force_is_drawn_as_exact_steps(solved):
 
 
 def test_the_gap_is_drawn_as_an_exact_line(solved):
-    """Its last point is the gap at the end of the run."""
+    """The gap is drawn in um over us; its last point is the gap at the end of the run."""
     solution = solved["impedances"]
 
     drawn = plot.contact(solution)
