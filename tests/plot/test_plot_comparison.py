@@ -136,7 +136,9 @@ def test_a_pair_of_axes_is_used_and_a_single_one_refused():
 
 
 def test_long_records_are_thinned():
-    """Of more than 100,000 samples fewer than 3,000 are drawn."""
+    """A comparison of records with more than 100,000 samples draws fewer than 3,000 of
+    them.
+    """
     long = PULSE.resampled(1e-9)
     assert len(long) > 100_000
 

@@ -155,7 +155,9 @@ def axis_of_positions(ax, across):
     [("ten", 10), pytest.param("short", 2, marks=pytest.mark.exhaustive)],
 )
 def test_ten_rods_are_all_named_and_short_rods_too(solved, row, count, across):
-    """In a space-time diagram; if time runs `across`, names stand beside the y axis."""
+    """In a diagram of this row all `count` rods are named at the axis of positions, the
+    y axis if time runs `across`.
+    """
     ax = plot.spacetime(solved[row], across=across).ax
 
     names = []

@@ -541,7 +541,10 @@ def first_path(lines):
 
 
 def test_lines_of_equal_times_and_impedances_cross_the_map(map_picture):
-    """Both rods are equal at 1 m and at 100 mm^2; the map is 0.25 to 4 m by 20 to 500."""
+    """A map over the length of one rod, 0.25 to 4 m, and the area of the other, 20 to
+    500 mm^2, has two named lines across all of it: equal transit times at 1 m, and
+    equal impedances at 100 mm^2.
+    """
     equal_times, equal_impedances = map_picture.theory
     lengths, areas = first_path(equal_times)  # m, mm^2
     assert lengths == pytest.approx(1.0)

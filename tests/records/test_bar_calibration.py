@@ -107,7 +107,10 @@ def test_stated_errors_are_the_scatter():
 
 @pytest.mark.exhaustive
 def test_an_echo_from_a_free_end_is_as_good_as_a_second_gauge():
-    """Its gain is -1; wave speed and Poisson ratio are found."""
+    """A bar is calibrated by a record and its echo from a free end: wave speed and
+    gain, -1, are found, the bar has the wave speed and Poisson's ratio, and nothing is
+    doubtful.
+    """
     true_bar = ri.waves.Bar(SPEED, 0.29, RADIUS)
     first, echo = both_records(true_bar, noise=1e-3, factor=-1.0)
 

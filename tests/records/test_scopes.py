@@ -28,8 +28,8 @@ def rows(*columns, form="{:.9e}"):
     ],
 )
 def test_columns_of_one_name_take_those_of_the_line_above(tmp_path, heads):
-    """One laboratory's recorder repeats the word Signal below the names of the
-    channels.
+    """A recorder repeats the word Signal below the names of the channels: the names of
+    the line above are taken, with the unit and the values.
     """
     path = tmp_path / "shot.csv"
     path.write_text(heads + rows(TIMES, WAVE, -WAVE))

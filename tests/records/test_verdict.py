@@ -170,8 +170,8 @@ def test_an_alignment_that_makes_the_balance_worse_is_doubted(shot):
 
 
 def test_the_table_has_round_strains_and_the_peak(shot):
-    """Its rows begin with strains of 0.5, 1, 2 and 5 %; one row is that of the peak
-    stress.
+    """The printed reduction has rows for strains of 0.5, 1, 2 and 5 %, in this order,
+    and one row for the peak stress.
     """
     result = reduced(shot)
     lines = str(result).splitlines()

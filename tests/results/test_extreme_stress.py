@@ -58,7 +58,10 @@ def test_the_tension_behind_a_reflected_triangular_pulse(reflected, length):
 
 
 def test_the_tension_is_that_of_the_pulse_once_half_of_it_has_come_back():
-    """From then on the front meets no compression."""
+    """A rod with a compressive pulse: its largest tension is that of the pulse, at the
+    position and time at which half of the pulse has come back from the free end; from
+    then on the front meets no compression.
+    """
     length = 0.2
     half = length / 2
 
@@ -219,7 +222,10 @@ LAWS = [ri.SpringDashpot(0.3, 0.2), HERTZ]
 def test_largest_stresses_of_members_are_those_alone_and_no_less_than_of_the_peak_force(
     method, cells, law
 ):
-    """They were once too low by 1.2 % beside the peak force on the same area."""
+    """The largest stresses of a swept family of two are those of its members solved
+    alone, and at least the peak force over the area, which is 1 here; once they were
+    1.2 % too low.
+    """
     left = unit_rod(velocity=np.array([1.0, 0.9]))
     family = ri.System([left, unit_rod()], contacts=[law])
     result = ri.sweep(family, method, until=6.0, also=["largest_stress"], cells=cells)
@@ -242,10 +248,10 @@ def stresses_of_pair(solution):
 
 @pytest.mark.parametrize("viscosity", few_of([0.0, 0.02], [0.0]))
 def test_errors_of_the_extremes_on_a_grid_fall_with_the_square_of_the_step(viscosity):
-    """At a smooth contact: to an 8th at most in cells of a fourth, where the square
-    would be a 16th.
-
-    The reference is characteristics or, with damping, a fine grid.
+    """Two rods with a Hertz contact on 50, 100 and 200 cells: the error of the largest
+    stresses is 0.5 % at most on the first mesh and falls to an eighth at most on the
+    last, where the square would be a sixteenth. The reference is characteristics or,
+    with damping, a fine grid.
     """
     lossy = UNIT.replace(viscosity=viscosity)
     rods = [

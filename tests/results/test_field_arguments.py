@@ -200,7 +200,9 @@ def test_what_is_no_place_or_time_is_refused_by_the_name_of_the_argument(method)
 
 @pytest.mark.parametrize("method", ["characteristics", "finite-difference"])
 def test_the_only_place_in_a_rigid_mass_or_a_wall_is_0(method):
-    """They have no length; places and times broadcast as in rods."""
+    """A mass and a wall have no length: what is no number is refused as x, and x = 0
+    broadcasts with times as in rods.
+    """
     solution = solved(method)
     mass = 2
     wall = 3

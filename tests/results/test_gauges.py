@@ -328,7 +328,9 @@ def test_strains_of_a_grid_run_straight_between_its_states():
     ],
 )
 def test_the_misfit_of_signals_is_a_parabola_of_the_length_of_a_striker(method, dt):
-    """As fits need it: signals vary smoothly, and with every change."""
+    """Signals for 13 lengths of a striker, 127 to 127.2 mm, all differ, and their
+    misfit against one of 128 mm is a parabola of the length to 1 %, as fits need it.
+    """
 
     def signal_of_striker(length):
         """Strain of a bar that a striker of this length has struck, as sampled."""

@@ -124,7 +124,9 @@ def test_a_linear_strain_is_met_exactly_inside(linear_solution):
 
 
 def test_a_linear_strain_lengthens_a_rod_by_its_mean(linear_solution):
-    """From x = 0.1 m to 1.9 m, at the start."""
+    """At the start, the displacements at 0.1 m and 1.9 m of a rod with a linear strain
+    differ by the mean strain times the distance.
+    """
     left, right = linear_solution.displacement(0, [0.1, 1.9], 0.0)
     lengthening = right - left
     mean_strain = 0.3 - 0.1 * 1.0  # in the middle, at x = 1
@@ -420,9 +422,9 @@ def test_velocities_of_damped_rods_are_means_over_the_steps_before_and_after(
     ],
 )
 def test_gap_is_the_distance_of_the_ends(row_solution, contact, length, bound):
-    """At contacts 1 and 3, which are rigid, within the motion of one step.
-
-    `length` is the length of the body on the left of the contact, 0 for a mass.
+    """At all states of a row on a grid, the gap of this contact is the distance of the
+    two ends, to `bound`, m: the motion of one step at rigid contacts. `length` is that
+    of the body on the left, 0 for a mass.
     """
     times = times_of_states(row_solution)
     gap = row_solution.contacts[contact].gap(times)

@@ -97,7 +97,9 @@ def test_a_stepped_rod_on_a_wall_as_a_rigid_body_of_its_restitution(wall, mirror
     [([1, 3], 1.0), ([3, 1], 1 / 2), ([1, 2], 23 / 27), ([2, 1], 7 / 9)],
 )
 def test_mirror_images_of_stepped_rods_part_with_their_restitution(impedances, e):
-    """It is that of each of them on a wall, by closed forms."""
+    """A stepped rod collides with its mirror image: the restitution is that of each on
+    a wall by its closed form, and the centre of mass stays at rest.
+    """
     left = stepped(impedances[::-1], velocity=1.0)
     right = stepped(impedances, velocity=-1.0)
     outcome = ri.collide(left, right)

@@ -391,7 +391,9 @@ def test_sides_of_strains_are_right_after_a_thousand_transits(rebounding_solutio
 
 
 def test_bodies_that_move_apart_however_distant_are_final_as_they_are():
-    """They are 10 billion kilometres apart and keep their velocities."""
+    """Two rods, 10 billion kilometres apart, move apart: the run is final, and they
+    keep their velocities.
+    """
     bodies = [rod(0.4, velocity=-1.0), rod(1.0, velocity=1.0)]
     far = ri.System(bodies, gaps=[1e13])
     solution = ri.solve(far)

@@ -679,8 +679,9 @@ def test_stated_errors_of_a_mass_on_a_free_rod_hold():
 
 
 def test_a_duration_jumps_where_the_short_rod_becomes_the_thicker_one():
-    """It is 2 T of the short rod below, and 2 T of the long rod above equal
-    impedances.
+    """At equal impedances of a short and a long rod, the duration jumps by the area of
+    the short one from its 2 T to that of the long rod: the gradient is nan, the jump is
+    stated, and both slopes are 0.
     """
     path = "bodies.0.area"
     T_short = 0.6  # of rods of unit wave speed

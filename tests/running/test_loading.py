@@ -268,7 +268,9 @@ def test_a_name_that_reads_as_a_number_stays_a_name(tmp_path, name):
 
 
 def test_the_state_of_a_smooth_wave_comes_back_equal(tmp_path):
-    """Its waves are polynomials."""
+    """A run from a state whose waves are polynomials is saved and loaded: system and
+    outcome are equal.
+    """
     striker = ri.RigidMass(0.3, velocity=1.0)
     struck = SHORT.replace(velocity=0.0)
     row = ri.System([striker, struck], contacts=[ri.Spring(1e6)])
@@ -577,7 +579,10 @@ def test_results_of_other_types_are_refused(result, said):
 
 @pytest.mark.exhaustive
 def test_a_file_that_ends_anywhere_is_refused_or_lacks_only_its_last_tables():
-    """It is a case without an outcome, or all is there but stated errors."""
+    """A saved solution is cut at every seventh character: it is refused in a sentence,
+    or is a case without an outcome, or lacks stated errors only. More than half are
+    refused.
+    """
     text = ri.format_case(saved_case())
     begin_of_errors = text.index("[result.accuracy]")
     outcome = saved_case().result._replace(accuracy={})

@@ -103,7 +103,9 @@ def test_a_finished_sweep_is_read_as_it_was_run_without_running(tmp_path, monkey
 
 @pytest.mark.parametrize("readings", exhaustive.few_of([{}, GAUGED], [GAUGED]))
 def test_an_interrupted_sweep_goes_on(tmp_path, monkeypatch, readings):
-    """What was done is not done again, and the end is the same."""
+    """A sweep is interrupted after 20 members. The next one runs only the members of
+    the missing chunks, and has the bits of an uninterrupted one, with gauges as well.
+    """
     options = {"checkpoint": tmp_path, **readings}
 
     def interrupt(done, total):
@@ -192,7 +194,10 @@ def let_go(process):
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="needs SIGKILL")
 @pytest.mark.parametrize("seed", range(2))
 def test_a_killed_process_goes_on_to_the_same_bytes(tmp_path, seed):
-    """It is killed twice at random, or once if that was near the end."""
+    """A process that sweeps is killed at random, twice or, near the end, once. Another
+    sweep with its folder has the bits of an uninterrupted one; chunks are kept, and
+    only temporary files are left over.
+    """
     rng = np.random.default_rng(seed)
     folder = tmp_path / "run"
     near_end = 90  # of 120 members

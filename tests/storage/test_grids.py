@@ -938,7 +938,9 @@ def test_materials_of_the_library_vary_by_name_and_by_body(path, speeds):
 
 
 def test_a_grid_may_stand_in_for_a_profile():
-    """In the file the velocity has steps; the grid has two numbers."""
+    """A velocity that has steps in the case file gets a grid of two numbers: a family
+    of two uniform velocities.
+    """
     text = HEAD + A_ROD + "velocity = {values = [1, 0], at = [0.1]}\n" + A_WALL
 
     case = parse_case(text, vary={"bodies.0.velocity": "1,2"})

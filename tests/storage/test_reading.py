@@ -79,7 +79,9 @@ BOMBS = [write_long_column, write_long_document, write_foreign_array]
 def test_a_small_file_of_many_zeros_is_refused_before_it_takes_memory(
     saved, write_bomb
 ):
-    """Over thirty megabytes of zeros are packed into less than one."""
+    """A file of less than a megabyte that unpacks to over thirty megabytes of zeros is
+    refused, with a peak of memory below 10 MB.
+    """
     write_bomb(saved)
     assert saved.stat().st_size < 1e6
     tracemalloc.start()
