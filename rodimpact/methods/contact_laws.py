@@ -303,6 +303,8 @@ def guard(
         PRESS, yields           overlap          lack to yield force
         PRESS, yields, damping  overlap          lack to yield force  pressing_sign
         PRESS, other            overlap          pressing_sign
+
+    The guard `pressing_sign` beside an overlap exists only with losses, see `lets_go`.
     """
     status = link.status
     if status == Status.OPEN:
@@ -396,14 +398,17 @@ def mean_force(link: Any, x0: float, x1: float) -> tuple[float, float]:
     w = x1 - x0
     if law == Law.POWER:
         F, dF = mean_power(k, link.exponent, x0, x1)
-    elif law == Law.YIELD and w > 0 and x1 > link.yield_force / k:
-        # Except for round-off, x0 is at most the overlap at which it yields.
-        end_force, work, _ = load_plastically(link, x0, x1)
-        F = work / w
-        # d(work)/dx1 is the force at x1, and dw/dx1 = 1.
-        dF = max((end_force - F) / w, 0.0)
-    elif law == Law.YIELD:  # elastic in this step
-        F, dF = mean_spring(k, 0.0, x0, x1)
+    elif law == Law.YIELD:
+        yields = w > 0 and x1 > link.yield_force / k
+        if yields:
+            # Except for round-off, x0 is at most the overlap at which it yields.
+            end_force, work, _ = load_plastically(link, x0, x1)
+            F = work / w
+            # d(work)/dx1 is the force at x1, and dw/dx1 = 1.
+            dF = max((end_force - F) / w, 0.0)
+        else:  # it is elastic in this step; its damping is a factor, below
+            no_dashpot = 0.0
+            F, dF = mean_spring(k, no_dashpot, x0, x1)
     else:  # a spring, which may have a dashpot
         F, dF = mean_spring(k, damping, x0, x1)
     # The damping of power and yielding laws is chi, and their factor 1 + chi w. The

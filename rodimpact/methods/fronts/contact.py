@@ -188,6 +188,7 @@ def solve_force(
         else:  # the right end, where the wave from outside is b = F Y1
             force = b / left_mobility
     node.force = force
+    # At a left end Y1 is 0, unless a semi-infinite bar lies beyond.
     node.face_velocity = force_free_velocity - force * left_mobility
     return force_free_velocity
 

@@ -86,7 +86,7 @@ def contact_signal(
     end_tick = finished.run.now
     k = finished.layout.contacts[contact]
     closed_status = finished.nodes[k].closed_status
-    first_gap = float(clock.system.gaps[contact]) / clock.tick
+    first_gap = float(clock.system.gaps[contact]) / clock.tick  # velocity times ticks
     # In the row of a change, the field `next_row` is the node.
     own_changes = changes[changes["next_row"] == k]
     first_status = Status.OPEN if first_gap > 0 else closed_status

@@ -83,7 +83,7 @@ def next_event(run: Run, links: Links, node: Node, h: float) -> Event:
             status = set_guard_values(run, links[i], node, which, h)
             zero = find_event(run, links[i], node, which, h)
             is_in_piece = zero <= 1  # NOWHERE is above 1, the end of the piece
-            # The first event counts even at 1, which `position` is before it.
+            # The event that is found first counts even at 1, the initial `position`.
             is_earliest = first == NONE or zero < position
             if is_in_piece and is_earliest:
                 position = zero

@@ -65,7 +65,7 @@ def apply_transition(state: State, node: Node, tick: int, i: int, status: int) -
             link.break_order = 0
         elif link.law == Law.IMPACT:
             resolve_impacts(run, links, masses, contact_log, node, tick, i)
-    elif old_status == Status.REST:
+    elif old_status == Status.REST:  # its force may jump to 0
         link.break_order = 0
 
 

@@ -68,7 +68,7 @@ def check_finality(state: State, tick: int) -> None:
                 run.next_proof_tick = NEVER
                 run.end_tick = min(run.end_tick, tick + run.ticks_after_proof)
             else:
-                # The bound keeps the tick of the next proof below NEVER.
+                # Rounded up; the bound keeps the tick of the next proof below NEVER.
                 ticks = int(min(wait / run.tick_duration, 0.5 * NEVER)) + 1
                 run.next_proof_tick = tick + max(run.proof_interval, ticks)
         run.last_check_tick = tick
@@ -197,12 +197,12 @@ def update_groups(state: State, tick: int) -> None:
         mass = 0.0
         # Only the mean velocities of this first pass are used. Energies and moments are
         # set in a second pass, when the velocity of the group is known.
-        at_rest = 0.0
+        zero_speed = 0.0
         for k in range(first, stop):
-            update_part(state, parts[k], at_rest, tick)
+            update_part(state, parts[k], zero_speed, tick)
             momentum += parts[k].mass * parts[k].mean_velocity
             mass += parts[k].mass
-        if mass > 0:  # it is 0 for a wall alone
+        if mass > 0:  # it is 0 for a wall alone, whose group velocity stays 0
             group.group_velocity = momentum / mass
         group.reference_velocity = group.group_velocity
         if group.anchor_line != NONE:

@@ -217,7 +217,8 @@ def make_run(
         if line.hard_breaks > 0:
             in_transit = np.floor(line.hard_breaks * (shortest / line.ticks))
             breaks_per_transit = np.maximum(breaks_per_transit, in_transit)
-    reference = clock.reference / clock.tick  # ticks
+    # The longest transit time, or its replacement in a row without rods, ticks
+    reference = clock.reference / clock.tick
     run.tick_duration = clock.tick
     run.velocity_scale = clock.scale
     run.tolerance = request.tolerance * clock.scale

@@ -209,11 +209,11 @@ def _result_of(members: Members, accuracy: dict[str, float], goal: float) -> Run
     """The `Run` of a single collision, from a family with one member that has run.
 
     It has the times of the proof and of the last contact, both nan without a proof, the
-    status in sentences, the totals of contacts, the motion before and after, without
-    kinetic energies, and a function that makes the signals. Its end is the given
-    `until` if the run reached that, otherwise the tick that all nodes have reached.
-    `accuracy` are the stated errors by measure, and `goal` is the relative error that
-    was aimed at.
+    status in sentences, the totals of contacts, the motion before (velocities only) and
+    after (without kinetic energy), and a function that makes the signals. Its end is
+    the given `until` if the run reached that, otherwise the tick that all nodes have
+    reached. `accuracy` are the stated errors by measure, and `goal` is the relative
+    error that was aimed at.
     """
     row = members.row
     until = members.request.until
