@@ -584,7 +584,8 @@ def lasting_mode(segments: Sequence[Segment]) -> tuple[float, float]:
         parts.append(_cells(segment, count))
     # Each part is an array [property, cell]; the cells of all segments are joined.
     cells = Cells(*np.concatenate(parts, axis=1))
-    # Each node has half of the mass of the cells on its right and on its left.
+    # Each node has half of the mass of the cells on its right and on its left; the two
+    # outer nodes have one cell only, hence the zeros.
     mass = (np.append(cells.cell_mass, 0.0) + np.append(0.0, cells.cell_mass)) / 2
     # The unknowns are the displacements of the n nodes, then the radial strains of the
     # n - 1 cells.
@@ -606,10 +607,10 @@ def lasting_mode(segments: Sequence[Segment]) -> tuple[float, float]:
     axial = modes[:n]  # displacements of nodes [node, mode]; only these are damped
     # x D x/2 of each mode, as `eigh` scales modes to x M x = 1; i and j are nodes, m is
     # the mode
-    rates = np.einsum("im,ij,jm->m", axial, _chain(cells.viscous), axial) / 2
-    slowest = int(np.argmin(rates))
+    decay_rates = np.einsum("im,ij,jm->m", axial, _chain(cells.viscous), axial) / 2
+    slowest = int(np.argmin(decay_rates))
     omega = float(np.sqrt(squares[slowest]))
-    return omega, float(rates[slowest])
+    return omega, float(decay_rates[slowest])
 
 
 def _chain(values: Array) -> Array:

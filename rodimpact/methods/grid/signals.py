@@ -48,7 +48,8 @@ def make_run(run: GridRun, until: float | None) -> Run:
     It has the times of the proof and of the last contact (nan without a proof), totals
     of contacts, the status in sentences, the coarser runs for errors of fields, and a
     function that makes the signals when they are needed. `until` is the end of the run,
-    s, or None if it ran to its proof.
+    s, or None if it ran to its proof. A run that ends before half a step has no steps;
+    its `end` is `until` in ticks, rounded up.
     """
     left = outside_of(run, side=0)
     right = outside_of(run, side=1)
