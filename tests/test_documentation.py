@@ -264,7 +264,9 @@ def test_case_files_of_the_manual_are_read(block):
 
 
 def public_calls():
-    """Public functions, classes and methods, by name."""
+    """Yield pairs of a dotted name and a public function, class or method of a class,
+    of all that the manual lists.
+    """
     for name, public in public_names():
         yield name, public
         if inspect.isclass(public):

@@ -135,6 +135,7 @@ def test_where_nobody_knows_the_total_the_bar_counts(monkeypatch):
 
 
 def test_a_total_that_was_too_low_is_raised_to_what_is_done(monkeypatch):
+    """A report of 120 of 100 shows 120/120."""
     terminal = watched(monkeypatch)
     with Progress(progress=True, name="solve", unit="events") as report:
         report(90, 100)

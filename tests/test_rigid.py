@@ -160,8 +160,9 @@ def test_a_stack_of_light_balls_tends_to_the_square_of_two_to_the_n_less_one(n):
 
 
 def test_a_stack_is_a_row_of_collisions():
-    """The lowest ball, thrown back by the ground, meets the second, and that one the
-    third; these still fall at v.
+    """Velocities and height of `stack_drop` for three balls are those of two
+    collisions: the lowest ball, thrown back by the ground, meets the second, which then
+    meets the third; both still fall at v.
     """
     g = 9.81  # m/s^2
     height = 1.5  # m

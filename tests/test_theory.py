@@ -206,7 +206,9 @@ def test_impulse_energy_and_durations_of_a_pair_fit_together(rods, V):
 
 @given(PAIR, POSITIVE)
 def test_the_impulse_of_a_pair_is_the_integral_of_its_force(rods, V):
-    """The force is summed over the round trips of the short rod."""
+    """The force of a pair, constant in each round trip of the short rod, is summed over
+    all round trips: the sum is the impulse.
+    """
     Z1, T1, Z2, T2 = rods
     pair = theory.saint_venant(Z1, T1, Z2, T2, V)
     round_trip = 2 * min(T1, T2)  # of the short rod; over each the force is constant
@@ -461,7 +463,9 @@ def test_forms_take_arrays(form):
 
 @by_form
 def test_forms_refuse_what_is_no_number(form):
-    """The message names the argument, and the index of a wrong element."""
+    """Each argument of a closed form is given as nan, inf or, where it must be
+    positive, 0 or -2: ValueError names it and, in a list, the index.
+    """
     good = good_arguments(form)
     for name, value in good.items():
         bad_values = [math.nan, math.inf]

@@ -171,7 +171,9 @@ def test_the_group_velocity_is_the_slope_of_the_frequency(bar, frequencies):
 
 
 def test_delays_of_a_bar_are_those_of_its_phase_velocity(bar, frequencies):
-    """A delay is a time per metre beside a wave at the bar speed."""
+    """Up to the cut-off frequency, the delay of a bar, a time per metre, is 1/phase
+    velocity minus 1/bar speed.
+    """
     below = frequencies[frequencies <= bar.cut_off]
     time_per_metre = 1 / BAR_SPEED
     exact = 1 / bar.phase_velocity(below) - time_per_metre
@@ -211,9 +213,8 @@ def lame_constants(nu):
 
 
 def mindlin_herrmann_matrices(k, nu):
-    """Stiffness and mass of u = exp(i k x), q = i exp(i k x); a = E = rho = 1.
-
-    u is the axial displacement and q the radial one.
+    """Stiffness and mass matrix of waves u = exp(i k x) and q = i exp(i k x) in a rod
+    with a = E = rho = 1: u is the axial displacement, q the radial one.
     """
     lame, mu = lame_constants(nu)
     coupling = 2 * lame * k

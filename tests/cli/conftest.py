@@ -38,7 +38,9 @@ def refuses(capsys):
 
 @pytest.fixture
 def output_of(capsys):
-    """Function that runs a call, checks its exit status, and returns what it prints."""
+    """A function that runs a command, asserts its exit status, 0 by default, and
+    returns its standard output.
+    """
 
     def call(*argv, status=0):
         capsys.readouterr()

@@ -1091,6 +1091,9 @@ def test_box_refuses_a_ratio_that_is_none(no_figures, tmp_path, refuses, ratio):
 
 
 def test_box_leaves_files_that_are_there(no_figures, tmp_path, refuses):
+    """`box` into a folder that holds one of its files is refused, with the advice of
+    --force, and leaves the file; with --force it succeeds.
+    """
     (tmp_path / "wall-energy.png").write_text("precious")
     refuses(["box", "-o", str(tmp_path)], "holds wall-energy.png already", "--force")
     assert (tmp_path / "wall-energy.png").read_text() == "precious"

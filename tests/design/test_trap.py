@@ -21,7 +21,10 @@ def second_pulse_trap(material):
 
 @pytest.mark.parametrize("material", [STEEL, ri.materials.aluminium])
 def test_a_trap_has_transit_time_of_the_striker_and_impedance_of_the_bar(material):
-    """The gap before it is the way of the bar's end during the first pulse."""
+    """The trap that is designed has the transit time of the striker and the impedance
+    of the bar. Its gap is the distance that the end of the bar moves during the first
+    pulse; the misfit is 0.
+    """
     design = second_pulse_trap(material)
 
     trap = design.system.bodies[2]

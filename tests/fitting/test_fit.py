@@ -526,10 +526,9 @@ def assert_errors_are_the_scatter(errors, values):
 @pytest.mark.exhaustive
 @pytest.mark.parametrize("correlation_time", [0.0, 5e-6])
 def test_standard_errors_are_the_scatter_of_fits(correlation_time):
-    """Length, velocity, shift and blur of 200 noisy records scatter by their errors.
-
-    Fits are linear in the noise where this is small: values change by the
-    pseudo-inverse of the derivatives times the noise.
+    """Length, velocity, shift and blur of 200 noisy records scatter by their stated
+    errors. Instead of fits, values are changed by the pseudo-inverse of the derivatives
+    times the noise, as fits are linear in small noise.
     """
     signal = record(rods())
     noiseless = ri.Measured(signal, GAUGE, gain=1.0, blur=(0.0, 1e-5))

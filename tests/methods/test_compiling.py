@@ -182,7 +182,9 @@ def test_lengthened_lists_of_records_or_objects_begin_with_what_there_was():
 
 
 def test_blank_objects_are_records_of_zeros_and_can_be_set_each_alone():
-    """The gap of the second of three nodes is set."""
+    """Three blank nodes become records of zeros; after setting the gap of the second,
+    only this one changes.
+    """
     zeros = np.zeros(3, NODE)
 
     nodes = record_lists.blank(3, NODE)

@@ -164,8 +164,8 @@ def largest_error(values, exact_values):
 
 @pytest.mark.parametrize("system", ROWS.values(), ids=ROWS)
 def test_velocities_and_impulses_of_rows_of_rods_are_near_the_exact_ones(system):
-    """The exact ones are those of fronts. The grid has 110 cells; rods strike at 1 m/s
-    with impedances of about 1.
+    """Rods that strike at 1 m/s are solved on a grid of 110 cells: velocities differ
+    from those of fronts by 6e-3 m/s at most, impulses by 0.01 N s.
     """
     exact = ri.solve(system, method="fronts")
 
@@ -673,7 +673,9 @@ def test_a_refined_mesh_meets_the_exact_restitution_to_rtol(monkeypatch):
 
 
 def test_what_has_not_converged_says_so_after_the_stated_errors(monkeypatch):
-    """The mesh may grow from 20 to 40 cells, with which nothing converges to 1e-9."""
+    """The mesh may grow from 20 to 40 cells only, with which nothing converges to 1e-9:
+    the status lists the stated errors, then "Not converged" with advice.
+    """
     pair = [unit_rod(0.7, velocity=1.0), unit_rod(1.1, area=0.5)]
     monkeypatch.setattr(finite_difference, "MIN_LONGEST_CELLS", 20)
     monkeypatch.setattr(finite_difference, "MAX_REFINED_CELLS", 40)
@@ -944,8 +946,9 @@ def test_extreme_viscosity_and_lateral_inertia_keep_the_balances(viscosity, theo
 
 @pytest.mark.parametrize("velocity", [-0.05, 0.05])
 def test_compressed_ends_that_touch_while_they_part_or_meet_gain_no_energy(velocity):
-    """The strain presses the ends together, whose bodies move apart or towards each
-    other; the impulse is near that of fronts.
+    """Two rods are pressed together by their strain, while they move apart or towards
+    each other. On a grid the energy never grows, the gap is never negative, and the
+    impulse is that of fronts to 2 %.
     """
     left_rod = unit_rod(velocity=velocity, strain=-0.2)
     right_rod = unit_rod(0.8, strain=-0.2)

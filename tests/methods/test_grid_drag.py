@@ -58,11 +58,11 @@ def test_a_standing_wave_dies_out_as_the_telegraph_equation_says(damping):
 
 
 def test_errors_of_the_velocity_of_an_end_fall_with_the_square_of_the_step():
-    # With the 257 samples of other tests the error of the finest mesh is that of the
-    # samples.
     """The velocity of a standing wave in drag is compared with `amplitude` on meshes of
     25 to 200 cells.
     """
+    # With the 257 samples of other tests the error of the finest mesh is that of the
+    # samples.
     x = np.linspace(0.0, LENGTH, 2049)
     wave = ri.Samples(np.cos(math.pi * x))
     rod = standing_wave(ri.Drag(3.0))

@@ -156,10 +156,10 @@ def test_the_velocity_of_a_mass_is_kept_over_more_than_131_072_steps():
 
 
 def test_threads_that_take_more_than_their_share_go_one_after_the_other(monkeypatch):
-    # A quarter of the memory holds 400 numbers of 8 bytes: 100 for each of 4 threads.
     """Four threads take their shares at the same time; beyond these only one of them is
     at work at a time.
     """
+    # A quarter of the memory holds 400 numbers of 8 bytes: 100 for each of 4 threads.
     monkeypatch.setattr(memory, "installed", lambda: 4 * 8 * 400.0)
     together = threading.Barrier(4, timeout=20)
     at_work = []  # threads beyond their share

@@ -101,7 +101,9 @@ def test_a_run_with_too_many_pieces_names_the_short_rod_if_there_is_one(monkeypa
 
 
 def run_of_page(system, options):
-    """The run that the page makes of a case, as a dict."""
+    """The state, as a dict, of the run that the page makes of a system with these
+    options.
+    """
     case = ri.Case(system, options)
     tables = {"solve": {}} | tables_of(case)["case"]
     system_of_page = system_of(tables, LIBRARY)

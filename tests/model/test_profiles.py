@@ -272,6 +272,9 @@ def sampled():
 
 
 def test_mirrors_turn_samples(sampled):
+    """The mirrored rod has its sampled velocities negated and in reverse order, and its
+    strains in reverse order. Mirrored twice, the system is itself.
+    """
     image = sampled.mirrored().bodies[1]
     assert image.velocity == ri.Samples([-4.0, -2.0, -1.0])
     assert image.strain == ri.Samples([1e-3, 0.0])

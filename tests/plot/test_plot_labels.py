@@ -171,6 +171,9 @@ def test_ten_rods_are_all_named_and_short_rods_too(solved, row, count, across):
 
 @pytest.mark.parametrize("across", few_of([False, True], [True]))
 def test_a_rod_whose_middle_is_at_a_tick_is_named(solved, across):
+    """The middle of a rod, 0.2 m, is a major tick: it is nevertheless a minor one,
+    which bears the name, as that of the other rod.
+    """
     ax = plot.spacetime(solved["unequal"], coordinates="lab", across=across).ax
 
     axis = axis_of_positions(ax, across)
@@ -273,7 +276,9 @@ def test_snapshots_show_the_first_reflection_at_the_far_end(solved):
 def test_captions_of_a_contact_hide_the_lines_behind_them_and_stay_inside(
     solved, row, width
 ):
-    """Captions name events in the figure of a contact."""
+    """The captions of events in the figure of a contact have the colour of the paper as
+    background, lie above all lines, and end within the axes.
+    """
     with plot.look(width=width):
         picture = plot.contact(solved[row])
     render(picture)

@@ -424,7 +424,9 @@ bodies = [
     ],
 )
 def test_an_axis_is_named_by_what_the_user_varied(vary, label, first_value):
-    """`first_value` is the first one of the axis, in the unit of its label."""
+    """The axis of a sweep that is given `varied` has this label and holds `first_value`
+    in its unit; without it, the axis is named by a number of the system.
+    """
     case = varied_case(**vary)
     result = ri.sweep(case.system, workers=1)
 

@@ -247,8 +247,8 @@ SLOW_STRAIN = 3.0 / (2 * STEEL.wave_speed)
 
 @keep_last
 def smooth_shot(duration, until, rise=80e-6):
-    """A pulse with smooth corners runs through a thin input bar to the specimen: a
-    solved `Shot`.
+    """A solved `Shot`: a pulse with smooth corners, of this duration and rise, s, runs
+    through a thin input bar to a polymer specimen.
     """
     level = trapezoid(duration, rise)
     smooth_level = level**2 * (3 - 2 * level)

@@ -95,6 +95,9 @@ def test_values_between_samples_lie_on_straight_lines():
 
 
 def test_a_window_holds_the_samples_inside_and_a_shift_moves_their_times():
+    """A window from 0.5 to 4 s of three samples has those at 1 and 4 s; a shift of -1 s
+    moves all times.
+    """
     signal = ri.Signal([0.0, 2.0, 2.0], [0.0, 1.0, 4.0])
     window = signal.window(0.5, 4.0)
     shifted = signal.shifted(-1.0)

@@ -97,6 +97,9 @@ def test_a_table_without_a_gauge_is_refused(tmp_path):
 
 @pytest.mark.parametrize("interval", [None, 1e-6])
 def test_a_record_of_no_time_is_one_row(tmp_path, interval):
+    """The gauge of a run until 0 s, written to CSV with any interval, is a head and one
+    row of zeros.
+    """
     path = tmp_path / "x.csv"
     record = ri.solve(striker_and_bar(), until=0).gauge(0, 0.1)
     ri.gauges_to_csv(path, {"a": record}, interval=interval)

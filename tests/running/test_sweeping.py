@@ -144,10 +144,9 @@ def test_restitution_and_impulse_of_a_map_equal_the_closed_form():
 
 
 def random_family(seed, driven):
-    """A family of a random row, whose shape is at most [2, 6].
-
-    Velocities, strains, gaps and drives become arrays of 6, the places and times of
-    their jumps among them, and some areas arrays [2, 1].
+    """A family of a random row, whose shape is at most [2, 6]. Velocities, strains,
+    drives, with the positions and times of their jumps, and gaps become arrays of 6;
+    some areas become arrays [2, 1].
     """
     rng = np.random.default_rng(seed)
     data = with_ends(seed, driven).to_dict()

@@ -31,7 +31,9 @@ GAUGED = {"until": 3e-4, "gauges": [(0, 0.05), (1, 0.5)], "times": [0.0, 1e-4, 2
 
 
 def family(rows=ROWS, area=1e-4):
-    """A family [rows, 2]: lengths of the striker by areas of the other rod."""
+    """A family [rows, 2], by the length of the striker, 0.1 to 1 m, and the area of the
+    struck rod; `area` is that of the striker. Not swept.
+    """
     lengths = np.linspace(0.1, 1, rows)[:, None]
     striker = ri.Rod(lengths, area=area, material=STEEL, velocity=1.0)
     struck = ri.Rod(1.0, area=np.array([1e-4, 3e-4]), material=STEEL)

@@ -630,7 +630,9 @@ def test_a_number_follows_another_one_by_a_factor():
     [("R", "R/2.5mm"), ("1*R", "1 * R / 2.5 mm"), ("R*1", "1 mm * R / 2.5 mm^2")],
 )
 def test_several_numbers_follow_a_variable(force, stiffness):
-    """R is a resistance: the yield force is R, and the stiffness R over 2.5 mm."""
+    """A grid over a variable R, a resistance, with formulas of it: the yield force of
+    the toe is R, and the stiffness R over 2.5 mm, in both members; R is the only axis.
+    """
     vary = {
         "R": "200 kN, 1 MN",
         "contacts.1.yield_force": force,
