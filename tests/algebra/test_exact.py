@@ -20,6 +20,9 @@ def only_contact(collision):
 
 
 def test_the_box_is_two_fifths():
+    """The exact collision of the box: e = 2/5, the striker stops, the struck rod has
+    2/5 m/s, and the impulse is the momentum of the striker.
+    """
     # The striker stops: the impulse is its momentum, rho A l times 1 m/s.
     momentum = Fraction("7850") * Fraction("1e-4") * Fraction("0.4")
 

@@ -167,6 +167,9 @@ def test_a_formula_of_three_rods_prints_the_formula_that_it_meets():
 
 
 def test_a_formula_of_two_rods_prints_the_formula_that_it_meets():
+    """The text of the closed form of the box has its condition, the border Z1 = Z2 on
+    which the box lies, with e = 2/5, and the formula beyond it.
+    """
     form = ri.closed_form(BOX)
 
     lines = str(form).splitlines()

@@ -214,6 +214,9 @@ sys.exit(main(["run", sys.argv[1]]))
 )
 @pytest.mark.usefixtures("case")
 def test_a_reader_who_has_gone_is_no_failure(command):
+    """A command writes to a pipe that nobody reads: it ends well, with status 0 and
+    nothing on standard error.
+    """
     reading, writing = os.pipe()
     os.close(reading)
 
@@ -609,6 +612,9 @@ assert not set(unwanted.split()) & set(sys.modules)
 
 
 def test_notes_go_to_a_terminal(case, capsys, monkeypatch):
+    """If standard error is a terminal, `run --save` notes there the file that it wrote;
+    never on standard output.
+    """
     monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
 
     assert main(["run", str(case), "--save", "a.toml"]) == 0
@@ -657,6 +663,9 @@ def test_a_film_of_a_run_that_stops_early_ends_with_3(case, output_of):
 
 
 def test_a_page_of_a_run_that_stops_early_says_so_itself(case, output_of):
+    """`export` of a case with a cap of 40 events succeeds without a message: the notes
+    of the page name the cap.
+    """
     case.write_text(f"{ENDLESS}solve.max_events = 40\n")
 
     output_of("export", "case.toml", "-o", "a.html")
@@ -1044,6 +1053,9 @@ def test_box_puts_theory_beside_its_results(box_text):
 
 
 def test_box_says_when_rods_part_in_the_textbook(box_text):
+    """`box` says for rods of different length that in the textbook they part as the
+    force ends, and nothing of it for equal rods.
+    """
     unequal = " ".join(story(box_text, "Rods of different length, l1/l2 = 0.4"))
     equal = " ".join(story(box_text, "Identical rods"))
 
@@ -1109,6 +1121,9 @@ def test_the_page_of_the_box_shows_signs_of_html_as_they_are():
 
 
 def test_the_page_of_the_box_has_a_margin_and_signs_of_mathematics(box_text):
+    """The HTML page of the box has a padding, and superscripts and Greek letters in
+    place of "^" and names.
+    """
     page = box_page([f"Title\n\n{box_text}"], [[]])
     style = page.partition("</style>")[0]
 

@@ -101,6 +101,9 @@ def test_a_run_of_a_pile_prints_set_and_largest_stresses(output_of):
 
 @pytest.mark.usefixtures("pile")
 def test_a_blow_that_is_cut_short_ends_with_3_and_says_so(output_of):
+    """`bearing --until 2 ms`: status 3, and the text names the resistance and the
+    remedy.
+    """
     text = output_of(
         *bearing("--resistance", "300kN", "--cells", "8", "--until", "2 ms"), status=3
     )

@@ -126,6 +126,9 @@ def test_energies_of_round_off_are_printed_as_0(case, swept):
 
 
 def test_the_first_grid_is_the_first_axis(case, swept):
+    """A sweep over lengths and gaps: the table counts 10 collisions in a grid of 5 x 2,
+    with the gap varying fastest.
+    """
     out = swept("--vary", LENGTHS, "--vary", "contacts.0.gap=0,1 um")
 
     first, second = lines_of(out, "50 mm")
@@ -173,6 +176,9 @@ def test_one_collision_without_e_is_counted(case, swept):
 
 
 def test_a_long_row_shows_its_ends(case, swept):
+    """The table of a sweep of ten rods has columns for the velocities of the first and
+    the last four.
+    """
     rod = '[[bodies]]\nkind="rod"\nlength=0.1\narea=1e-4\nmaterial="steel"\n'
     case.write_text("schema = 1\n" + rod + "velocity = 1\n" + 9 * rod)
 

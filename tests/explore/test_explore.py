@@ -50,6 +50,9 @@ def test_presets_show_what_their_remarks_say():
 
 
 def test_a_material_of_ones_own_is_kept_and_those_of_the_library_go_by_name():
+    """The tables of a row with an own material and steel hold the own one only, and are
+    read as the same system.
+    """
     material = ri.Material("own 0", youngs_modulus=50e9, density=7850.0)
     system = ri.System([LEFT, ri.Rod(1.0, area=1e-4, material=material)])
     design = tables_of(ri.Case(system))

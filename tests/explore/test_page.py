@@ -1178,6 +1178,9 @@ def test_the_curve_of_round_ends_falls_from_e_of_balls_to_the_ratio_of_lengths(
 
 @pytest.mark.exhaustive
 def test_rigid_ends_are_the_end_of_the_slider_of_round_ends(visit, solved):
+    """A Hertz contact is made rigid: e is the ratio of lengths, the plot says "rigid
+    ends", and the slider of its roundness stands at its end, 4.
+    """
     page = visit(solved(with_first_length(HERTZ, 0.7)))
 
     page.select_option('[id="contacts.0.law"]', "rigid")
@@ -1368,6 +1371,9 @@ def test_facts_of_the_solver_are_in_the_notes_only(visit):
 
 @pytest.mark.exhaustive
 def test_a_question_is_explained_where_it_is_written(visit):
+    """The text field of the question is described, for screen readers, by a text on the
+    page.
+    """
     page = visit()
     open_menu(page)
     page.click("#ask")
@@ -1527,6 +1533,7 @@ def test_tools_stand_in_one_row_on_the_narrowest_phone(visit):
 
 
 def test_the_page_opens_still_at_the_start(visit):
+    """The page opens at the start of its film, before contact, and does not play."""
     page = visit()
     assert page.evaluate("currentTime() === page.scene.begin")
     assert not page.evaluate("page.isPlaying")

@@ -129,6 +129,9 @@ def test_e_of_uniform_rods_is_told_as_a_ratio_of_lengths():
 
 @pytest.mark.parametrize("name", few_of(WITHOUT_A_RATIO, ["materials", "compliant"]))
 def test_e_of_other_rods_is_not_told_as_a_ratio(name):
+    """For one of `WITHOUT_A_RATIO`, the reason on the page tells e as a number, and not
+    as a ratio of lengths or transit times.
+    """
     _, scene = shown(WITHOUT_A_RATIO[name], tolerance=1e-4)
     _, result = scene["reason"]
     assert "so e = " in result

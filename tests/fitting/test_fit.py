@@ -143,6 +143,7 @@ def test_the_misfit_is_that_of_the_prediction_and_as_large_as_the_noise(noisy_fi
 
 
 def test_all_searches_end_at_the_same_point(noisy_fit):
+    """The three descents of a fit end at the same length to 1e-6."""
     assert len(noisy_fit.descents) == 3
     best = noisy_fit.values[LENGTH]
     for end in noisy_fit.descents:
@@ -957,6 +958,9 @@ def test_a_result_prints_what_errors_are_not_and_has_one_picture(length_fit):
 
 
 def test_a_figure_of_a_result_has_its_misfit_and_moves_nothing(length_fit):
+    """The figure of a fit has its misfit, with shift 0 and scale 1: the prediction is
+    not fitted again.
+    """
     misfit = ri.plot.fit(length_fit).misfit
 
     expected = length_fit.misfits[0]

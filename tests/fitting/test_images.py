@@ -145,6 +145,9 @@ def test_a_fit_of_all_passages_finds_the_velocity_and_one_of_the_first_misfits()
 
 
 def test_a_rod_whose_end_is_held_has_no_images():
+    """`strain_by_images` of a bar with a fixed far end is refused at the path of this
+    end.
+    """
     striker, bar, _ = shot(poisson_ratio=0.3).bodies
     held = ri.System([striker, bar], ends=[ri.Free(), ri.Fixed()])
     solution = ri.solve(held, until=UNTIL)

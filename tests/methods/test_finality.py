@@ -462,6 +462,9 @@ def test_the_last_contact_ended_whatever_the_end_and_the_method(
 
 
 def test_where_bodies_still_touch_no_end_of_contact_is_stated():
+    """Two rods still touch at the end of a final run: t_final is nan, and the status
+    says so.
+    """
     system = ri.System(PAIR)
     solution = ri.solve(system, until=1.0)
     assert solution.final

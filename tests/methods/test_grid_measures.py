@@ -99,6 +99,9 @@ def test_an_indentation_of_a_single_step_ends_on_a_line(parabola):
 
 
 def test_an_indentation_that_does_not_end_ends_with_its_force():
+    """The gap stays negative after the force has ended: the interval of contact ends at
+    the end of the force.
+    """
     force = [1, 1, 1, 0, 0]
     gap = [-1.0] * 6
     (interval,) = intervals(force, gap)
@@ -168,6 +171,9 @@ def test_a_rigid_contact_lets_go_where_its_means_tell(force, end):
 
 
 def test_a_force_that_goes_on_has_no_end():
+    """Of two intervals of force, the second goes on to the end of the run: its end is
+    nan.
+    """
     force = [0, 1, 0, 2, 2]
     shut = [0.0] * 6
     begins_and_ends = intervals(force, shut)

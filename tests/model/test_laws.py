@@ -452,6 +452,9 @@ def test_a_table_hardened_by_a_peak_force_is_elastic_up_to_it_and_then_goes_on()
 
 
 def test_a_force_below_the_peak_does_not_harden_a_table():
+    """A table is unchanged by a force of 0, and a hardened one by a force below that
+    which hardened it.
+    """
     hardened = TABLE.hardened(1.25)
     not_loaded = TABLE.hardened(0.0)
     hardened_again = hardened.hardened(1.0)
@@ -493,6 +496,9 @@ def test_members_of_a_yielding_family_are_those_alone_and_yield(yielding_family)
 
 
 def test_a_case_file_keeps_what_yields(yielding_family):
+    """Each member of a yielding family is the same system after writing and reading a
+    case file.
+    """
     for i in range(2):
         member = yielding_family[i]
         text = ri.format_case(member)

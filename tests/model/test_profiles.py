@@ -288,6 +288,9 @@ def test_samples_change_sign_when_time_is_turned_round(sampled):
 
 
 def test_the_error_of_a_scaled_profile_is_scaled_too():
+    """Samples and polynomials scaled by a factor have its absolute value as the factor
+    of their errors.
+    """
     samples = ri.Samples([1.0, 2.0], error=0.25)
     polynomials = ri.Polynomials([[1.0, 2.0]], error=0.5)
 

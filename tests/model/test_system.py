@@ -872,6 +872,9 @@ def test_what_is_tapered_says_so():
 
 
 def test_the_mass_of_a_taper_is_exact_for_straight_lines():
+    """The mass of a segment with three areas is density times the sum of mean area
+    times length of its two lines.
+    """
     areas = ri.Samples([1.0, 2.0, 6.0])
     segment = ri.Segment(0.5, areas, steel)
     volume = (1.5 + 4.0) * 0.25  # mean areas of two lines, each 0.25 m long
@@ -985,6 +988,9 @@ def test_an_area_of_a_single_step_makes_a_uniform_rod():
 
 
 def test_steps_of_the_area_make_a_stepped_rod():
+    """Three areas with steps at 0.25 and 0.5 m make segments of these lengths and
+    areas; the velocity is a function of x along the whole rod.
+    """
     area = ri.Steps([1e-4, 2e-4, 3e-4], [0.25, 0.5])
     stepped = rod(area=area, velocity=lambda x: x)
     sizes = [(segment.length, segment.area) for segment in stepped.segments]

@@ -73,6 +73,9 @@ def test_a_pile_stays_at_rest_under_its_weight_and_that_of_a_helmet(contact, bou
 
 
 def test_a_finer_grid_moves_a_resting_pile_by_little():
+    """A pile put to rest with 50 cells has no velocity above 1e-9 m/s on this grid, and
+    none above 1e-4 m/s on one of 200 cells.
+    """
     pile = 2  # index of the body, below ram and helmet
     system = pile_with_helmet(ri.Spring(1e9))
 

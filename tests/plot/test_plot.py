@@ -391,6 +391,9 @@ def test_a_wall_is_hatched(solved):
 
 
 def test_a_wall_moves_as_it_does(solved):
+    """In a diagram without magnification, the face of a wall of 2 m/s begins at 0 and
+    ends at the distance it has moved.
+    """
     solution = solved["moving wall"]
 
     picture = plot.spacetime(solution, axes(), coordinates="lab", magnification=1.0)
@@ -519,6 +522,9 @@ def test_the_axes_show_lengths_names_and_round_trips(solved):
 
 @pytest.mark.exhaustive
 def test_round_trips_stand_at_the_axis_of_times_if_contact_begins_with_the_run(solved):
+    """The axis of times has the names of round trips if contact begins at 0, here with
+    time across, and none if a gap closes first.
+    """
     time_across = plot.spacetime(solved["unequal"], axes(), across=True)
     later_contact = plot.spacetime(solved["closing gap"], axes())
 
@@ -668,6 +674,9 @@ def test_compressed_pieces_are_shorter_and_thicker(solved):
 
 
 def test_pieces_of_rods_that_do_not_close_bear_their_velocity(solved):
+    """In a snapshot of receding rods, pieces are labelled with their velocities in m/s,
+    as the axis says, not as shares of a closing speed.
+    """
     picture = plot.snapshots(solved["receding"], times=[0.0])
 
     velocities = [MINUS + "1", "0.5"]
@@ -791,6 +800,7 @@ def test_restitution_refuses_numbers_that_do_not_match_or_are_missing():
 
 
 def test_a_driven_end_is_marked_in_space_and_time():
+    """A diagram of a rod pushed at its left end has one marker, ">"."""
     ends = (ri.Pushed(1e3), ri.Absorbing())
     solution = ri.solve(ri.System([rod()], ends=ends), until=5e-4)
     ax = axes()

@@ -101,6 +101,7 @@ def test_a_band_that_the_line_hides_says_so(ratio, name):
 
 
 def test_the_band_is_scaled_with_the_prediction():
+    """A prediction is scaled by -2 to fit the pulse: its band becomes twice as wide."""
     band = 0.05 * PULSE
 
     picture = plot.comparison(PULSE, -0.5 * PULSE, shift=0.0, band=band)
