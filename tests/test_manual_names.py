@@ -114,6 +114,9 @@ def names_of_package(text):
 
 
 def test_names_of_the_package_exist():
+    """Each dotted name of the package that a page of the manual mentions leads to
+    something.
+    """
     missing = []
     for page, path in mentions(names_of_package):
         if not attribute_exists(path):
@@ -163,6 +166,9 @@ def is_a_file(name):
 
 
 def test_files_exist():
+    """Each file or folder that a page of the manual names exists, or is one of the
+    examples that a user makes.
+    """
     missing = []
     for page, name in mentions(files):
         if not is_a_file(name):

@@ -254,6 +254,9 @@ def test_the_verdict_names_the_strain_from_which_on_forces_are_equal():
     ],
 )
 def test_mistakes_of_equal_forces_are_named(shot, change, path, says):
+    """One argument of `reduce` with equal forces is replaced by a wrong one:
+    InvalidModel names its path with a fitting message.
+    """
     arguments = arguments_of_equal_forces(shot) | change
 
     with pytest.raises(ri.InvalidModel, match=says) as caught:

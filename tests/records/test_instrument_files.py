@@ -129,6 +129,9 @@ def test_a_text_that_is_called_xls_is_read_as_text(tmp_path):
     ],
 )
 def test_damaged_files_are_refused(tmp_path, name, start):
+    """A file with the ending of a workbook or a TDMS file, but other bytes, is refused
+    by its name.
+    """
     for package in ("openpyxl", "xlrd", "nptdms"):
         pytest.importorskip(package)
     path = tmp_path / name
@@ -148,6 +151,9 @@ def test_damaged_files_are_refused(tmp_path, name, start):
     ],
 )
 def test_a_missing_package_names_its_extra(tmp_path, monkeypatch, name, package, extra):
+    """A file of this kind is read without the package for it: ImportError names the
+    package and the extra of rodimpact.
+    """
     monkeypatch.setitem(sys.modules, package, None)
     path = tmp_path / name
     path.write_bytes(b"\xd0\xcf\x11\xe0")
@@ -192,6 +198,9 @@ def test_a_tdms_file_has_times_and_units_in_its_properties(tmp_path):
 
 
 def test_a_tdms_file_without_a_clock_may_have_a_column_of_times(tmp_path):
+    """A TDMS file with times in us as a channel: the other channel has these times, in
+    s.
+    """
     path = tmp_path / "shot.tdms"
     times = ("shot", "t", 1e6 * TIMES, {"unit_string": "us"})
     write_tdms(path, times, ("shot", "a", WAVE))
@@ -200,6 +209,9 @@ def test_a_tdms_file_without_a_clock_may_have_a_column_of_times(tmp_path):
 
 
 def test_a_tdms_file_without_times_needs_a_rate(tmp_path):
+    """A TDMS file without times is refused with the advice of rate=, with which it is
+    read in V.
+    """
     path = tmp_path / "shot.tdms"
     write_tdms(path, ("shot", "a", WAVE))
     with pytest.raises(FileFormatError, match="or give rate="):

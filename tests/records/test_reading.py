@@ -76,6 +76,9 @@ WITHOUT_HEADS = "0;1\n1;-2.5\n2;250\n3;1000\n"
 
 
 def test_columns_without_heads_are_numbered_and_take_units_of_arguments(read):
+    """A table without heads: the second column is named "2" and has the given unit,
+    converted to SI, with a column of times or with a rate.
+    """
     with_times = read(WITHOUT_HEADS, time_unit="us", units="mV")
     with_rate = read(WITHOUT_HEADS, rate=1e6, units={"2": "mV"})
     assert with_times == {"2": ri.Signal(BAR, T, unit="V", name="2")}
@@ -84,6 +87,9 @@ def test_columns_without_heads_are_numbered_and_take_units_of_arguments(read):
 
 
 def test_arguments_name_the_column_of_times_and_units_of_columns(read):
+    """`read_signals` is given the name of the column of times and units of times and
+    one column: this one is converted to SI, the other has no unit.
+    """
     text = "clock,a,b\n0,1,2\n1,3,4\n"
     signals = read(text, time="clock", time_unit="ms", units={"b": "kN"})
     b = ri.Signal([2000.0, 4000.0], [0.0, 1e-3], unit="N", name="b")
@@ -358,6 +364,9 @@ def test_rounded_values_and_computed_steps_are_not_taken_for_a_limit(read):
 
 
 def test_times_that_are_not_uniform_on_purpose_are_no_gap(read):
+    """A table whose time steps grow steadily is read with its times, and no gap is
+    reported.
+    """
     steps = np.arange(1, 20) ** 2  # us; each is larger than the one before
     times = np.cumsum(steps)
     text = table_of(times, np.ones(19))
@@ -634,6 +643,7 @@ def test_an_empty_unit_of_a_channel_of_tektronix_is_none(tmp_path):
 
 
 def test_an_empty_unit_of_time_of_tektronix_is_missing(tmp_path):
+    """A Tektronix file without a unit of time is refused with the advice of time_unit."""
     path = tmp_path / "shot"
     text = MSO.replace("Horizontal Units,s", "Horizontal Units,")
     path.write_text(text)

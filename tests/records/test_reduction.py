@@ -700,6 +700,9 @@ def test_mistakes_are_named(shot, change, path, says):
 
 
 def test_all_mistakes_of_a_gauge_or_a_specimen_are_named_at_once():
+    """A gauge in V at a negative distance, and a specimen with a wrong length and two
+    sizes, are refused with both paths each.
+    """
     volts = ri.Signal([0.0, 1.0], [0.0, 1.0], unit="V")
 
     of_gauge = problems(lambda: ri.BarGauge(volts, distance=-1.0))
@@ -775,6 +778,9 @@ def test_a_shot_without_a_specimen_calibrates_speeds_gains_and_noise_of_the_bars
 
 
 def test_without_the_speed_of_the_striker_only_the_ratio_of_the_gains_is_known():
+    """`calibrate` without the speed of the striker gives the first gain as 1 and the
+    second as their ratio, to 1 %.
+    """
     gains = (1.05, 0.93)
     gauges = gauges_without_specimen(gains=gains, noise=0.003, wave_speed=4900.0)
     result = ri.calibrate(*gauges, BAR)
@@ -829,6 +835,7 @@ def test_stated_errors_of_gains_contain_the_true_ones(seed):
 
 
 def test_bars_that_reflect_as_they_should_raise_no_doubt():
+    """A computed shot of two bars without a specimen is calibrated without doubts."""
     shot = shots.calibration_shot()
     on_first = shot.gauge(1, 0.75, noise=0.002, seed=1)
     on_second = shot.gauge(2, 0.75, noise=0.002, seed=2)
@@ -916,6 +923,7 @@ def test_mistakes_of_a_calibration_are_named(change, says):
 
 
 def test_a_record_that_ends_before_the_pulse_returns_is_refused():
+    """`calibrate` refuses a second record that is cut off before the pulse returns."""
     first, second = gauges_without_specimen()
     short_record = second.signal.window(-1e-4, 3.6e-4)
     cut = second.replace(signal=short_record)
@@ -1092,6 +1100,9 @@ def test_a_wrong_distance_of_one_of_two_gauges_is_doubted_by_the_way_between(lon
 
 @pytest.mark.exhaustive
 def test_an_alignment_that_runs_to_its_limit_is_doubted():
+    """A measured shot is aligned within 1 us: the doubt says that this is the limit;
+    within 2 us there is no doubt.
+    """
     gauges = measured_gauges()
     doubts = doubts_about(*gauges, compression="positive", align_within=1e-6)
     assert has(doubts, "moves the transmitted wave by 1 us, the limit of its search")
@@ -1152,6 +1163,9 @@ def test_a_single_wrong_sample_above_the_pulse_is_named_with_its_time():
 
 
 def test_one_reversed_gauge_is_told_from_a_reversed_sign():
+    """The output gauge of a measured shot is reversed: `reduce` refuses it with the
+    advice of gain=-1 for this gauge.
+    """
     input_gauge, output_gauge = measured_gauges()
     reversed_gauge = output_gauge.replace(gain=-1)
     gauges = (input_gauge, reversed_gauge)

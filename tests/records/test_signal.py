@@ -355,6 +355,9 @@ def test_propagation_back_undoes_propagation():
 
 
 def test_a_propagated_record_begins_later_by_the_way_over_the_wave_speed():
+    """The start of a signal propagated over a distance is later by the distance over
+    the wave speed of the bar.
+    """
     pulse = trapezoid()
     distance = 0.5
     arrival = pulse.start + distance / BAR.wave_speed

@@ -108,6 +108,9 @@ def test_a_shot_out_of_equilibrium_has_no_strain_of_equilibrium():
 
 @pytest.mark.exhaustive
 def test_a_soft_specimen_cannot_be_judged():
+    """A shot at a soft specimen: the verdict has None for equilibrium, and its text
+    says why it cannot be judged.
+    """
     soft = ri.Material("soft", youngs_modulus=3e8, density=1100.0, poisson_ratio=0.3)
     shot = shots.pressure_bar_shot(material=soft, cells=450)
     verdict = reduced(shot).verdict

@@ -67,6 +67,9 @@ def hertz_solution(hertz_row):
 
 
 def test_errors_have_the_shape_of_the_times(hertz_solution):
+    """`field_error` at one time has errors of shape (), at times [2, 2] of shape (2,
+    2), all above 0.
+    """
     at_one_time = hertz_solution.field_error(1.0)
     at_times = hertz_solution.field_error([[0.5, 1.0], [1.5, 2.0]])
     assert at_one_time.velocity.shape == ()
@@ -111,6 +114,7 @@ def test_where_waves_jump_errors_are_infinite_but_for_displacements():
     "options", [{"method": METHOD, "cells": 50}, {"method": "characteristics"}]
 )
 def test_errors_are_refused_where_no_meshes_were_compared(options):
+    """`field_error` of a run by another method, or on a single mesh, raises ValueError."""
     bodies = [unit_rod(velocity=1.0), unit_rod()]
     row = ri.System(bodies, contacts=[ri.Spring(1.0)])
     solution = ri.solve(row, until=1.0, **options)

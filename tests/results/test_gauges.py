@@ -295,6 +295,9 @@ def test_a_signal_says_that_it_is_strain_and_where_unless_it_gets_a_name(bars):
 
 
 def test_an_interval_longer_than_the_record_is_refused():
+    """A signal of a gauge has 10,000 intervals by default; an interval longer than the
+    record is refused.
+    """
     record = record_of_struck_rod(until=2e-4)
     assert len(record.signal()) == 10_001  # by default 10,000 intervals
     message = "interval: must not be longer than the record"

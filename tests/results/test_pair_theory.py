@@ -83,6 +83,9 @@ def value_of(system, name):
 
 @pytest.mark.parametrize("left", [STRUCK, ri.Wall(), MASS])
 def test_a_family_has_the_values_of_its_members(left):
+    """The closed form of a family of three velocities has, in each column, the values
+    of its members; nan where a member has none.
+    """
     velocities = [-1.0, 0.5, -2.0]
     family = ri.System([left, rod(0.4, velocities)])
     theory = pair_theory(family)

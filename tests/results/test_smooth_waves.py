@@ -252,6 +252,9 @@ def test_the_mean_velocity_grows_by_the_fall(vibrating_solution):
 
 
 def test_energies_are_integrals_along_the_rod(vibrating_solution):
+    """Vibrational kinetic energy and strain energy of a rod, at a time, are the
+    integrals of its exact fields.
+    """
     t = SOME_TIME
     mean = mean_along_rod(t)
     # The mass per length and E A are 1.
@@ -426,6 +429,9 @@ def test_a_mass_and_the_end_of_the_rod_move_as_one_and_a_state_has_its_velocity(
 
 
 def test_energy_and_momentum_of_a_mass_and_a_rod_are_kept(struck_solution):
+    """A mass strikes a rod: at all times the total energy is that of the mass, and
+    momentum balances.
+    """
     energy = struck_solution.energy(TIMES)
     energy_of_mass = MASS * SPEED**2 / 2
     assert energy.total == pytest.approx(energy_of_mass, abs=1e-11)

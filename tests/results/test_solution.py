@@ -321,6 +321,7 @@ def test_a_distant_wall_is_still_reached():
 
 
 def test_a_transit_time_that_the_clock_rounds_is_named():
+    """A very short rod, whose transit time the clock rounds, is named by the status."""
     short = rod(1.2345678901234e-9)
     system = ri.System([rod(1.0, velocity=1.0), short])
     solution = ri.solve(system, until=1e-5)
@@ -383,6 +384,9 @@ def test_sides_of_forces_are_right_after_a_thousand_transits(rebounding_solution
 
 
 def test_sides_of_strains_are_right_after_a_thousand_transits(rebounding_solution):
+    """After many transits, the strains of the solution at the times of a gauge are the
+    recorded ones, and with side="left" those before each change.
+    """
     gauge = rebounding_solution.gauge(1, 0.1)
     after = rebounding_solution.strain(1, 0.1, gauge.times)
     before = rebounding_solution.strain(1, 0.1, gauge.times[1:], side="left")

@@ -155,6 +155,9 @@ def test_derivatives_have_units():
     ],
 )
 def test_derivatives_of_e_have_short_units(law, number, unit):
+    """The derivatives of e by a velocity and by a number of the contact law have the
+    units s/m and `unit`.
+    """
     path = f"contacts.0.{number}"
     row = pair(0.4, 1.0).replace(contacts=[law])
 

@@ -148,6 +148,9 @@ def test_workers_end_together_though_the_last_tenth_takes_ten_times_as_long(
 def test_a_worker_gets_about_eight_jobs_if_there_are_so_many(
     clock, members, workers, jobs_run
 ):
+    """A sweep of `members` equal members on a cluster of `workers` runs `jobs_run`
+    jobs.
+    """
     cluster = Cluster(workers, members, clock)
     swept(np.ones(members), cluster)
     assert len(cluster.durations) == jobs_run

@@ -16,6 +16,9 @@ ROUND_OFF = {"rel": 1e-12, "abs": 1e-15}
 
 
 def test_a_kept_family_opens_with_its_velocities_strains_and_lengths():
+    """A saved family in the repository is loaded: velocities and strains are those
+    noted, to round-off, and the lengths 0.2 and 0.4 m.
+    """
     family = ri.load(KEPT / "sweep.npz")
     facts = FACTS["sweep"]
     velocities = np.array(facts["velocities_after"])

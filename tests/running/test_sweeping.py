@@ -271,6 +271,7 @@ MAX_MEMBERS_PER_CALL = "rodimpact.methods.fronts.families.MAX_MEMBERS_PER_CALL"
 def test_a_family_of_35_in_chunks_of_any_size_has_the_members_of_single_runs(
     monkeypatch, members
 ):
+    """A map is swept in chunks of `members`: each member equals its single run."""
     monkeypatch.setattr(MAX_MEMBERS_PER_CALL, members)
     monkeypatch.setattr("rodimpact.running.chunks.JOBS_A_WORKER", 1)
 

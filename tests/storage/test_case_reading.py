@@ -186,6 +186,9 @@ def test_masses_gravity_laws_ends_and_a_time_step_are_read_and_written_as_they_a
     ],
 )
 def test_an_end_is_read_on_either_side_and_written_as_it_is(written, end):
+    """An end written in a case file at the left or the right is this end there, and is
+    the same after writing and reading.
+    """
     on_left = parse_case(HEAD + A_ROD + LEFT + written)
     on_right = parse_case(HEAD + A_ROD + "[ends.right]\nkind = " + written)
 

@@ -143,6 +143,9 @@ def test_a_message_does_not_repeat_the_file(saved):
     ],
 )
 def test_a_document_that_does_not_fit_the_arrays_is_refused(saved, change):
+    """Document or arrays of a saved file are changed so that they do not fit: loading
+    raises FileFormatError with the name of the file.
+    """
     document, arrays = contents(saved)
     change(document, arrays)
     write_contents(saved, document, arrays)

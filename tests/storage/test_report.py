@@ -79,6 +79,9 @@ def test_round_off_prints_as_zero_but_json_keeps_it():
 
 
 def test_small_but_real_numbers_are_not_taken_for_round_off():
+    """Velocities of 1e-5 and 4e-10 m/s, after collisions of a short and a slow striker,
+    are printed and not shown as 0.
+    """
     short_striker = ri.collide(rod(1e-5, 1.0), rod(1.0))
     slow_striker = ri.collide(rod(0.4, 1e-9), rod(1.0))
 
@@ -90,6 +93,9 @@ def test_small_but_real_numbers_are_not_taken_for_round_off():
 
 
 def test_differences_show_beside_a_large_common_velocity():
+    """Two rods at 10 km/s approach at 1 mm/s: the table shows the change of the second
+    by 0.4 mm/s, and its vibration in nJ.
+    """
     # Rod 2 gains e = 0.4 of the relative velocity, 1 mm/s.
     collision = ri.collide(rod(0.4, 10_000.001), rod(1.0, 10_000.0))
 
@@ -171,6 +177,9 @@ def test_json_has_no_mass_of_a_wall_and_no_peak_force_of_a_bond(bonded_solution)
 
 
 def test_solution_table_tells_when_contacts_press_and_open(unequal_solution):
+    """The printed solution has a line for the episode of contact 1-2, with its start,
+    the end of the force and the opening.
+    """
     lines = [
         line for line in str(unequal_solution).splitlines() if line.startswith("1-2")
     ]
