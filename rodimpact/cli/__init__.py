@@ -35,7 +35,7 @@ COMMANDS = {
     "rigid": "compute a collision of two rigid bodies",
     "verify": "check each method against a closed form",
     "materials": "list the materials, with the source of each number",
-    "help": "list the units of numbers",
+    "help": "show where to find help; help units lists the units of numbers",
     "doctor": "show versions and the folder of compiled code",
 }
 

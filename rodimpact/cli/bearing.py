@@ -9,10 +9,13 @@ displacement at which the soil yields.
 
 The bodies of the case are a moving ram, masses such as a helmet on the head of the
 pile, the pile, and a wall. The contact of the pile with the wall has the law
-"smith-toe". The command divides each resistance between shaft and toe as in the case,
-or by --shaft-share. Quakes and damping stay the same. For each resistance the command
-solves one blow, until no soil can yield any more. The command removes the ram at the
-top of its bounce at the latest. If gravity acts, the pile is at rest before the blow.
+"smith-toe". The command splits each resistance between shaft and toe in the same ratio
+as in the case; --shaft-share sets another ratio. Quakes and damping stay the same. For
+each resistance the command computes one blow, until no soil can yield any more. The
+command then computes the blow again with fewer cells, to state errors. The command
+removes the ram at the top of a bounce or earlier, if the ram has then been off the pile
+for the time in which a wave runs down the pile and back. If gravity acts, the pile is
+at rest before the blow.
 
 All results are in SI units. The command ignores [solve] and [output] of the case. The
 exit status is 3 if a blow is not over; the table gives the reason.
@@ -39,7 +42,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--resistance",
         metavar="GRID",
         required=True,
-        help="ultimate resistances, sums for shaft and toe: start:stop:count, "
+        help="total ultimate resistances, shaft plus toe: start:stop:count, "
         f"start:stop:count:log or a list, such as {EXAMPLE}",
     )
     add_number(
@@ -49,7 +52,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "fraction of the resistance that acts along the shaft; default: as in the case",
     )
     add_number(
-        parser, "--cells", COUNT, f"number of cells of the longest rod; default {CELLS}"
+        parser,
+        "--cells",
+        COUNT,
+        f"number of cells in the rod with the longest transit time; default {CELLS}",
     )
     add_number(parser, "--until", "time", "end of each blow; default until it is over")
     add_number(

@@ -84,9 +84,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         compared,
         "--carried",
         "length",
-        "distance from the position of --gauge, near the struck end, to the true "
-        "gauge: the command propagates the computed pulse by this distance along a "
-        "round bar, with exact dispersion",
+        "for a real gauge far from the struck end: give a position near the struck end "
+        "in --gauge, and the distance from there to the real gauge here; the command "
+        "computes the pulse at the position of --gauge, then propagates the pulse over "
+        "this distance along a round bar, with exact dispersion",
     )
     add_number(
         compared,

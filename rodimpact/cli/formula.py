@@ -2,9 +2,9 @@
 
 rodimpact formula CASE.toml --symbols length,area
 
-The formulas hold under conditions. The command prints the three conditions whose limits
-are nearest to the case; --conditions prints all conditions. The command needs SymPy:
-pip install '.[sympy]'.
+The formulas hold under conditions. The command prints the three conditions that the
+case fulfils with the smallest margin; --conditions prints all conditions. The command
+needs SymPy: pip install '.[sympy]'.
 
 A symbol replaces a number of the case. Give the path of the number, such as
 bodies.0.length, or the last word of the path: length stands for all lengths. The

@@ -1,4 +1,4 @@
-"""List the units of numbers; `rodimpact --help` lists the commands."""
+"""Show where to find help; `rodimpact help units` lists the units of numbers."""
 
 import argparse
 

@@ -66,9 +66,19 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         specimen, "--area", "area", "cross-sectional area, in place of the diameter"
     )
     add_number(
-        specimen, "--youngs-modulus", "pressure", "Young's modulus of the specimen"
+        specimen,
+        "--youngs-modulus",
+        "pressure",
+        "Young's modulus of the specimen; --align-within then also makes the initial "
+        "slope of the curve equal to this modulus",
     )
-    add_number(specimen, "--wave-speed", "velocity", "wave speed in the specimen")
+    add_number(
+        specimen,
+        "--wave-speed",
+        "velocity",
+        "wave speed in the specimen; with --equal-forces or --direct-impact, the "
+        "verdict then estimates the time until the forces on both faces are equal",
+    )
     specimen.add_argument(
         "--incompressible",
         action="store_true",

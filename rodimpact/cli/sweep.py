@@ -6,9 +6,10 @@ rodimpact sweep CASE.toml --vary bodies.0.length=0.05:1:200
 A grid is start:stop:count, or start:stop:count:log for equal ratios, or a list. A
 number may have a unit. Each --vary with a grid adds an axis to the family.
 
---vary PATH=0.5*OTHER adds no axis. It makes the number at PATH 0.5 times the number
-OTHER, which must vary. OTHER is a path, or a name of your own such as R. A divisor may
-follow OTHER. Units must agree: if R is a force, 0.5*R/2.5mm is a stiffness.
+--vary PATH=0.5*OTHER adds no axis. The number at PATH is then 0.5 times the number
+OTHER. Another --vary must give the values of OTHER. OTHER is a path, or a name of your
+own such as R. A divisor may follow OTHER. Units must agree: if R is a
+force, 0.5*R/2.5mm is a stiffness.
     --vary R=200kN:1000kN:5 --vary "contacts.1.yield_force=0.5*R"
     --vary "contacts.1.stiffness=0.5*R/2.5mm"
 
@@ -83,7 +84,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="NAME",
         default="restitution",
         help="quantity that --plot shows: restitution (default), or another column of "
-        "--csv, such as duration.0 of contact 0 or velocity_after.1 of body 1",
+        "--csv, such as duration.0 of contact 0 or velocity_after.1 of body 1; bodies "
+        "and contacts are numbered from 0, and walls count as bodies",
     )
     parser.add_argument("--force", action="store_true", help="replace existing files")
 
