@@ -8,8 +8,8 @@ number may have a unit. Each --vary with a grid adds an axis to the family.
 
 --vary PATH=0.5*OTHER adds no axis. The number at PATH is then 0.5 times the number
 OTHER. Another --vary must give the values of OTHER. OTHER is a path, or a name of your
-own such as R. A divisor may follow OTHER. Units must agree: if R is a
-force, 0.5*R/2.5mm is a stiffness.
+own such as R. A divisor may follow OTHER. Units must agree: if R is a force,
+0.5*R/2.5mm is a stiffness.
     --vary R=200kN:1000kN:5 --vary "contacts.1.yield_force=0.5*R"
     --vary "contacts.1.stiffness=0.5*R/2.5mm"
 
