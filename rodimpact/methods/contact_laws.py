@@ -474,9 +474,9 @@ def mean_power(k: float, p: float, x0: float, x1: float) -> tuple[float, float]:
     if abs(q * h) > SERIES_RANGE:  # the difference loses few digits
         return F, (end_force - F) / w
     # 1/2 + (p - 1) h/3 + (p - 1)(p - 2) h^2/8 + (p - 1)(p - 2)(p - 3) h^3/30
-    third = (p - 1) * h
-    fourth = third * (p - 2) * h
-    series = 1 / 2 + third / 3 + fourth / 8 + fourth * (p - 3) * h / 30
+    of_h = (p - 1) * h  # the product in the term with h
+    of_h2 = of_h * (p - 2) * h
+    series = 1 / 2 + of_h / 3 + of_h2 / 8 + of_h2 * (p - 3) * h / 30
     return F, start_force / x0 * p * series
 
 

@@ -190,7 +190,7 @@ class Options(FrozenDataclass):
         capable = capable_of(needs)  # never empty: the last method lacks nothing
         method = self.method
         if method == "auto":
-            method = self._first_of(capable)
+            method = self._first_that_fits(capable)  # the first that takes `rtol`
         missing = METHODS[method].lacking(needs)  # (path, physics) of each
         if len(missing) > 0:  # the given method is not capable
             # The message is such as: has no gravity; method "characteristics" has
@@ -283,10 +283,11 @@ class Options(FrozenDataclass):
                 return replace(run, status=f"{run.status} {reason}")
         return run
 
-    def _first_of(self, capable: list[str]) -> str:
+    def _first_that_fits(self, capable: list[str]) -> str:
         """The first of these methods; if `rtol` is given, the first that takes it."""
         if self.rtol is None:
             return capable[0]
+        # There is one: the last method is always capable, and takes `rtol`.
         return next(name for name in capable if "rtol" in METHODS[name].takes)
 
     def _why(self, method: str, system: System) -> str:
@@ -295,14 +296,15 @@ class Options(FrozenDataclass):
         Physics of `abilities.SINGLE`, such as gravity, needs a single entry of a rod or
         of the system. The faster method is the one that ``"auto"`` would take without
         such entries. If this is `method` itself, other physics needs it, and the text
-        is empty.
+        is empty. `method` must be the one that ``"auto"`` chooses: then any other
+        `faster` lacks some of the physics.
         """
         needs = abilities.needs(system)
         other_needs: Needs = []  # without physics of single entries
         for path, physics in needs:
             if physics not in abilities.SINGLE:
                 other_needs.append((path, physics))
-        faster = self._first_of(capable_of(other_needs))
+        faster = self._first_that_fits(capable_of(other_needs))
         if faster == method:
             return ""
         missing = METHODS[faster].lacking(needs)

@@ -97,8 +97,9 @@ def find_class(durations: Sequence[Duration], start: int, max_parts: int) -> int
     Parameters
     ----------
     durations : [n] Duration
-        Sorted: durations[i].sorted_index is the index of the i-th longest. A duration
-        with ticks has q < 0.
+        In any order. Their field `sorted_index` holds the sorted order, apart from the
+        durations themselves: durations[i].sorted_index is the index of the i-th
+        longest. A duration with ticks has q < 0.
     start : int
         Position of the leader in the order by decreasing time.
     max_parts : int

@@ -132,12 +132,12 @@ class FrontBatch(Batch[State]):
         while not self.run():  # the log is full
             # An unfinished run is expected to take as long again as it has so far.
             self.choose_form(len(self.state.log) * PLAIN_ROW_TIME)
-            run = self.progress
-            report(int(run.events), expected_events(run))
-            self._ask_for_log()
+            progress = self.progress
+            report(int(progress.events), expected_events(progress))
+            self._require_memory_for_log()
             self.lengthen("log")
 
-    def _ask_for_log(self) -> None:
+    def _require_memory_for_log(self) -> None:
         """Raise TooLong if the next, longer log takes too much memory.
 
         Its signals count, too. The log is not changed. A thread with a share of memory

@@ -129,7 +129,7 @@ def log_contact_change(
     node.status = status
     node.is_faint = 0
     if before == Status.PRESS and status == Status.GRAZE:
-        # The closing velocity that the last force stopped, as F = (a - b)/(Y1 + Y2)
+        # The closing velocity a - b that the last force stopped: F = (a - b)/(Y1 + Y2)
         last_closing = node.force * mobility
         if last_closing <= run.velocity_tolerance * FAINT_TOLERANCES:
             node.is_faint = 1
@@ -145,12 +145,14 @@ def log_contact_change(
         run.next_proof_tick = min(run.next_proof_tick, tick)
         if before == Status.PRESS:
             node.last_force_tick = tick
-        has_pressed = before >= Status.GRAZE  # since it closed, see `Status`
+        # From GRAZE on, a contact has pressed since it closed.
+        has_pressed = before >= Status.GRAZE
         if status == Status.OPEN and has_pressed:
             node.last_opening_tick = tick
     change.tick = tick
     change.line = CHANGE
-    change.next_row = k  # a change has no next row: this field holds the node
+    # A change has no next row: the field holds the number of its node instead.
+    change.next_row = k
     change.value = status
 
 

@@ -161,7 +161,8 @@ def largest_difference(
         while next_b != NONE and log[next_b].tick <= a0 - transit:
             row_b = next_b
             next_b = log[row_b].next_row
-        # Waves b that began a transit after a1, or later, do not meet this wave either.
+        # Waves b that began a transit after a1, or later, do not meet this wave either:
+        # the loop ends before them.
         r = row_b
         lasts_a = a1 - a0 > window  # otherwise this wave is round-off
         while lasts_a and r != NONE and log[r].tick < a1 + transit:

@@ -210,7 +210,8 @@ def advance(state: State, horizon: int) -> int:
             # A touch without a force: an open gap has closed and opens again at once.
             # At dt = 0 no gap closes: the contact has just opened.
             is_touch = status == Status.OPEN and dt > 0 and node.gap == 0
-            if status != node.status or is_touch:
+            is_change = status != node.status
+            if is_change or is_touch:
                 mobility = left_mobility + right_mobility
                 contact.log_contact_change(
                     run, node, log[rows], k, tick, status, mobility
@@ -235,7 +236,9 @@ def advance(state: State, horizon: int) -> int:
                 # a' = b + 2 F Y2
                 wave = b + 2 * force * right_mobility
             line = lines[l]
-            last_row = line.last_row  # NONE on a line that leads out of the row
+            # Row of the front sent last on this line, whose value is the wave so far;
+            # NONE on a line that leads out of the row
+            last_row = line.last_row
             if last_row != NONE and abs(wave - log[last_row].value) > tolerance:
                 send(line, log, rows, tick, l, wave)
                 if line.next_row == NONE:  # no other front is in flight
@@ -266,9 +269,10 @@ def find_stop(run: Run, tick: int, horizon: int, is_full: bool, events: int) -> 
 
     `tick` is that of the next event, and `events` the number of events so far. The
     reasons are checked in this order. DONE: the event is after `horizon`. CHECK: a
-    proof is due, see `Run.next_proof_tick`. FULL: the log has no room for an event, as
-    `is_full` says. CAP: `max_events` of the run is reached, and all events at the tick
-    `run.now` of the last one have happened.
+    proof is due, as the event is after `run.next_proof_tick`, so that all events up to
+    that tick have happened, and `events` has reached `run.next_proof_event`. FULL: the
+    log has no room for an event, as `is_full` says. CAP: `max_events` of the run is
+    reached, and all events at the tick `run.now` of the last one have happened.
     """
     if tick > horizon:
         return Stop.DONE.value
@@ -323,6 +327,7 @@ def advance_totals_to(state: State, tick: int) -> None:
     for k in range(len(state.nodes)):
         node: Node = state.nodes[k]
         dt = tick - node.solved_tick
+        # A force that lasts no longer than the window does not count for the peak.
         contact.accumulate_contact_totals(node, dt, run.round_off_window)
         node.gap = node.gap + node.gap_rate * dt
         node.solved_tick = tick

@@ -81,6 +81,7 @@ def solve_family(
     request = RunRequest(until, max_events, record_max_stress=needs_waves)
     columns = driver.solve_many(layout, request, fields, should_stop, later_members)
 
+    # Columns are named by field and node; results of the whole run are at node 0.
     stop_reason = columns["stop_reason", 0]
     is_refused = stop_reason >= Stop.OVERFLOW  # members without a clock
     is_capped = stop_reason == Stop.CAP

@@ -37,8 +37,9 @@ def finality_tick(state: State, now: int) -> int:
         is_contact = node.status >= Status.OPEN  # not a bond, and not an end
         # Once a wait exceeds the clock, or is inf, the other contacts do not matter.
         if is_contact and longest_wait < NEVER:
-            # First and last segment of the two groups beside the contact. A wall has
-            # the `group_last` 0; then k is the last segment.
+            # First and last segment of the two groups beside the contact. Outside the
+            # row, as at a wall, `group_first` is 1 and `group_last` is 0: the range is
+            # then that of the group inside the row.
             first = segments[k].group_first
             last = max(k, segments[k + 1].group_last)
             # If no front is in flight, the gap rate stays as it is for ever.
@@ -139,9 +140,10 @@ def find_group_motion(state: State, k: int, s: int, now: int) -> None:
     """Set mean velocity and velocity bounds of the group of segment s, in segment s.
 
     The group, inside the row, is on one side of contact k. Mean velocity and bounds
-    follow from its waves, see `measure_waves`, with two exceptions. The mean velocity
-    of a group that is bonded to the outside is the wave that arrives from there; if
-    that is a wall, there are no bounds. If the waves in the group are steady, both
+    follow from its waves, see `measure_waves`: the bounds hold for a single segment,
+    not for a group of several. There are two exceptions. The mean velocity of a group
+    that is bonded to the outside is the wave that arrives from there; if that is a
+    wall, there are no bounds. If the waves in the group are steady, both
     bounds are the mean velocity, unless the contact presses a group that is bonded to a
     semi-infinite bar.
     """
@@ -164,7 +166,8 @@ def find_group_motion(state: State, k: int, s: int, now: int) -> None:
             end_node = last
         # The wave that arrives at this node from beyond the group: on line 2 k from the
         # left of node k, on line 2 k + 3 from its right
-        outside_wave = lines[2 * end_node + 3 * side].incoming_wave
+        outside_line = 2 * end_node + 3 * side
+        outside_wave = lines[outside_line].incoming_wave
         outside_mobility = segments[end_node + side].mobility
         if nodes[end_node].status == Status.BOND:
             group.mean_velocity = outside_wave
@@ -349,6 +352,7 @@ def set_deviation_of_end(state: State, k: int, s: int, now: int) -> None:
     group.end_deviation = deviation - far_mobility * momentum
     is_steady = no_front_in_flight(state.lines, first, last)
     is_pressing = state.nodes[k].status == Status.PRESS
+    # While it is pressed, a group at a semi-infinite bar (Y > 0) goes on yielding.
     if not is_steady or (far_mobility > 0 and is_pressing):
         group.deviation_bound_squared = 2 * energy * compliance
         group.compliance_integral = compliance

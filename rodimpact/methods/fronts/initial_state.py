@@ -177,7 +177,8 @@ def split_at_jumps(state: State, values: Values) -> int:
         x = left  # left end of the present piece
         is_inside = True
         while is_inside:
-            # Go on to the velocity and the strain that hold from x on.
+            # Go on to the velocity and the strain that hold from x on. Velocity i ends
+            # at jump i; the last velocity has no jump. It is the same for strains.
             while i < body.velocity_count - 1 and values[velocity_jumps + i] <= x:
                 i += 1
             while j < body.strain_count - 1 and values[strain_jumps + j] <= x:
@@ -348,9 +349,10 @@ def initialise_member(state: State, values: Values) -> None:
 
     Both segments outside the row get their mobility: that of the outermost segment for
     a semi-infinite bar, else 0. The line from a wall or a fixed end gets its constant
-    wave; for a driven end, the fronts of the drive are appended to the log. The first
-    `initial_rows` rows of the log are set, which must be long enough. `choose_clock`
-    comes before, and afterwards `events.start` puts the fronts on the lines.
+    wave, that from a free end the wave 0; for a driven end, the fronts of the drive are
+    appended to the log. The first `initial_rows` rows of the log are set, which must be
+    long enough. `choose_clock` comes before, and afterwards `events.start` puts the
+    fronts on the lines.
     """
     run = state.runs[0]
     segments = state.segments
@@ -363,13 +365,15 @@ def initialise_member(state: State, values: Values) -> None:
     run.log_rows = 0
     for s in range(1, n + 1):
         append_initial_fronts(state, s, values[s - 1])  # wave speeds come first
-    # Index of the next drive jump among the durations, of which they are the last
+    # The times of all drive jumps are the last durations. This is the index of the
+    # first jump of the next drive.
     first_jump = len(state.durations) - run.drive_jump_count
     for side in range(2):
         outside = segments[segment_outside(n, side)]
         line = state.lines[line_from_outside(n, side)]
         line.incoming_wave = 0.0
-        has_values = outside.velocity_count > 0  # it is no free end
+        # STEADY is a wall, a fixed end, or a free end, which has no values.
+        has_values = outside.velocity_count > 0
         if has_values and outside.boundary_kind == BoundaryKind.STEADY:
             # A wall or a fixed end: the only value is its constant velocity.
             line.incoming_wave = values[outside.profile_offset] - run.frame_velocity
@@ -463,7 +467,7 @@ def append_initial_fronts(state: State, s: int, wave_speed: float) -> None:
                 tick = -x1
             line = 2 * s + leftward
             if x1 > x0:  # a piece that lasts no tick is left out
-                append_front(run, state.log, first_row, tick, line, wave)
+                append_front_if_new(run, state.log, first_row, tick, line, wave)
 
 
 def append_driven_fronts(
@@ -513,17 +517,19 @@ def append_driven_fronts(
             jump_time = values[outside.profile_offset + value_count + j]
             is_last = jump_time > run.until
         if is_last:
-            stop_tick = start_tick + 1  # any later tick: the last value is not left out
+            # Any later tick does, so that the last value is not left out.
+            stop_tick = start_tick + 1
         else:
             jump_tick = state.durations[first_jump + j].ticks
+            # Not before `start_tick`, whatever the rounding of close jumps to ticks
             stop_tick = max(start_tick, jump_tick)
         if stop_tick > start_tick:
-            append_front(run, log, first_row, start_tick, outside_line, wave)
+            append_front_if_new(run, log, first_row, start_tick, outside_line, wave)
         start_tick = stop_tick
         j += 1
 
 
-def append_front(
+def append_front_if_new(
     run: Run, log: Log, first_row: int, tick: int, line: int, wave: Amplitude
 ) -> None:
     """Append a front to the log, unless its wave equals the wave of the previous front.

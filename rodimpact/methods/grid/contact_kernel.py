@@ -103,7 +103,8 @@ def solve_link(link: Link, c: float) -> tuple[float, float, float]:
         else:
             size = x0 - x
         # In a soft contact (y slope <= 1) x has the round-off of x0 + c. In a stiff
-        # contact the overlap is much smaller than the closing that it stops.
+        # contact the overlap is much smaller than the closing that it stops. The
+        # factor 4 is a margin.
         round_off = 0.0
         if y * slope <= 1:
             round_off = 4 * EPS * (abs(x0) + abs(c))

@@ -114,7 +114,8 @@ def run_steps(grid: Any, history: Any, until: int) -> bool:
     kept_radial = borrowed(history.radial)
     kept_rate = borrowed(history.radial_rate)
     while True:
-        # The state at the end of the last step is stored if it is wanted.
+        # The state at the end of the last step is stored if its number of steps is the
+        # next one in `when`, of which `kept_states` have been passed.
         if run.kept_states < len(when) and when[run.kept_states] == run.steps_taken:
             keep_nodes(run, v, force, stiffness, kept_velocity, kept_force)
             if run.has_radial_strain > 0:

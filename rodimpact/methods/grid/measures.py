@@ -332,17 +332,18 @@ def _opening(gap: Floats, open_end: int, open_gap: float, force_end: float) -> f
     At this step end their gap exceeds `open_gap`, m, for the first time since their
     force ended at `force_end`, in steps; this is nan if the force acts in the last
     step. The bodies separate at the last zero of the gap, but not before `force_end`.
-    However, numerical dispersion opens small false gaps first, which do not accelerate.
-    After such a false gap the bodies separate later: at the vertex of the parabola that
-    rises from 0 and has the gaps `open_gap`/2 and `open_gap` at the same times as the
-    gap.
+    However, numerical dispersion opens small false gaps first. After such a false gap
+    the bodies separate later: at the vertex of the parabola that rises from 0 and has
+    the gaps `open_gap`/2 and `open_gap` at the same times as the gap. A gap is false if
+    this vertex is after the last zero, and if up to the vertex the gap grows about
+    linearly, not with constant acceleration.
     """
     # With nan as its second argument max returns the first one.
-    last_zero = max(_passing_time(gap, open_end, 0.0), force_end)
+    last_zero = max(_last_time_at(gap, open_end, 0.0), force_end)
     # A parabola in proportion to (t - vertex)^2: the times since the vertex at half the
     # level and at the level have the ratio sqrt(1/2).
-    half_passed = _passing_time(gap, open_end, open_gap / 2)
-    passed = _passing_time(gap, open_end, open_gap)
+    half_passed = _last_time_at(gap, open_end, open_gap / 2)
+    passed = _last_time_at(gap, open_end, open_gap)
     vertex = passed - (passed - half_passed) / (1 - math.sqrt(0.5))
     midpoint = (last_zero + vertex) / 2
     gap_at_midpoint, gap_at_vertex = np.interp(
@@ -356,7 +357,7 @@ def _opening(gap: Floats, open_end: int, open_gap: float, force_end: float) -> f
     return last_zero
 
 
-def _passing_time(gap: Floats, open_end: int, level: float) -> float:
+def _last_time_at(gap: Floats, open_end: int, level: float) -> float:
     """Last time before step end `open_end` at which a gap was equal to `level`, m.
 
     The time is in steps. At `open_end` the gap is larger. Between step ends the gap is

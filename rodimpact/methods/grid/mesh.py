@@ -258,6 +258,7 @@ class Mesh:
         # This fills the lists and dictionaries above, sets `cells`, and raises
         # InvalidModel if cells are coupled too strongly.
         last_node = self._lay_out(driven)
+        # First and last nodes of the pieces, [piece] each
         self.starts, self.stops = _between(self.link_nodes.values(), last_node)
         contacts = []  # nodes on both sides of each link that can open
         for link, nodes in self.link_nodes.items():

@@ -262,7 +262,9 @@ def mesh_size(
     The step is `dt` if it is given, else `COURANT` times the longest stable step. The
     segment with the longest transit has `cells` cells; if neither `cells` nor `dt` is
     given, it has the number of `_least_wasteful`. All other segments have as many cells
-    as are stable. `cells`, `dt` and `until` are those of `run_grid`.
+    as are stable. If only `dt` is given, this holds for all segments; if both are
+    given, `cells` sets the numbers, and `dt` is only tested. `cells`, `dt` and `until`
+    are those of `run_grid`.
 
     Raises
     ------
@@ -293,7 +295,8 @@ def mesh_size(
     else:
         step = dt
     worst = int(np.argmin(stable_steps))
-    # Only a given `dt` can be too long.
+    # Only a given `dt` can be too long: a step that is chosen here has the margin
+    # COURANT. STABLE_COURANT, which is barely above 1, allows for round-off.
     if step > STABLE_COURANT * stable_steps[worst]:
         message = (
             f"would be unstable in {row.paths[worst + 1]}, where {counts[worst]:g} "

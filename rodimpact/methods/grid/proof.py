@@ -206,6 +206,7 @@ def group_at_contact(
         run, (first, last), g, stretch, compliance, kinetic + strain
     )
     energy = max(energy_with_joints, 0.0)  # round-off may make it negative
+    # The integral of g eps dx, where eps dx is the elongation of a cell
     deviation = float(stretch @ g) * outward
     # The square of the deviation is at most 2 `energy` times this, m/N.
     compliance_integral = float((g * g) @ compliance)

@@ -493,7 +493,7 @@ class GridRun:
         v = self.velocity(node)
         other_v = self.velocity(node - sign)  # at the other node of the cell
         # Velocity of the right node minus that of the left node, m/s [step + 1]: at
-        # t = 0 and at the ends of steps
+        # t = 0 and at the ends of steps. `other_v` is on the left for sign 1.
         stretch_rate = sign * (v - other_v)
         # The mean tension of a step has three parts: an elastic one, a viscous one by
         # the rate before the step, and one by the change of the rate in the step. The
@@ -504,6 +504,7 @@ class GridRun:
         coupling = scheme.off_diagonal_of(mesh, self.step)[cell]
         by_change = coupling * np.diff(stretch_rate)
         tension = elastic + viscous + by_change
+        # m/2 dv/dt, for the half of the cell that belongs to the node
         momentum_rate = mesh.cell_mass[cell] / 2 / self.step * np.diff(v)
         soil = self._soil_at_end(node, sign)
         return np.asarray(-tension - sign * (momentum_rate - soil))
@@ -607,7 +608,9 @@ class GridRun:
 def step_time(mesh: Mesh, *, plain: bool) -> float:
     """Approximate computing time of one step of a mesh, s.
 
-    The step is taken in plain Python if `plain`, else in machine code.
+    The step is taken in plain Python if `plain`, else in machine code. Its time is that
+    of an empty step plus a time for each node and its cell. The latter is doubled by
+    radial strains, and is several times as long if equations couple the nodes.
     """
     if plain:
         of_step = PLAIN_STEP_TIME
@@ -622,7 +625,8 @@ def step_time(mesh: Mesh, *, plain: bool) -> float:
         factor += 1
     if mesh.couples_nodes:  # equations are solved
         factor += of_equations
-    return of_step + len(mesh.mass) * factor * of_cell
+    nodes = len(mesh.mass)  # about the number of cells
+    return of_step + nodes * factor * of_cell
 
 
 def clock_on(mesh: Mesh, step: float) -> Clock:

@@ -77,7 +77,7 @@ def grid_of(mesh: Mesh, step: float) -> Grid:
     soil = soil_of(mesh, step)
     # Smith's damping is proportional to the resistance: it changes from step to step.
     has_changing_damping = (soil["is_smith"] > 0) & (soil["damping_factor"] > 0)
-    # [node]; half, as for a semi-infinite bar
+    # Sum of the damping at each node, [node]; half, as for a semi-infinite bar
     soil_damping = np.bincount(soil["node"], soil["damping"] / 2, n)
     loaded_diagonal = diagonal + soil_damping
     factors = factorise(mesh, loaded_diagonal, off_diagonal)

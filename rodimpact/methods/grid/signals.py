@@ -73,7 +73,8 @@ def make_run(run: GridRun, until: float | None) -> Run:
         proof = proof_sentence(has_touched, t_final)
     events = run.steps * len(run.row.links)  # as `max_events` counts them
     end = run.steps * STEP_TICKS  # ticks
-    if until and not run.steps:  # it ends inside the first step, which is not taken
+    # A run to an end inside the first step does not take this step.
+    if until is not None and run.steps == 0:
         end = math.ceil(until / run.clock.tick)
     # Whether waves jump and stay steep; needed for the coarser runs only
     is_steep = bool(run.coarser) and order_of(run.row) < 1

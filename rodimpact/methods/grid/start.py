@@ -257,7 +257,7 @@ def _initial_push(grid: Grid, link: Any) -> float:
     v = grid.velocity
     closing = v[link["left_node"]] - v[link["right_node"]]
     (as_object,) = as_objects(np.array([link], LINK))  # `mean_force` reads attributes
-    overlap = -as_object.gap  # at t = 0, m/s as the closing velocity
+    overlap = -as_object.gap  # at t = 0, per step, so in m/s
     push, _ = mean_force(as_object, overlap, overlap + float(closing))
     return float(push)
 

@@ -255,7 +255,9 @@ def record_piece(state: State, node: Node, ticks: int) -> None:
                 # If the force was faint until now, it began `faint_ticks` ago. NONE,
                 # which is negative, means that this time does not count.
                 logged_since -= max(link.faint_ticks, 0)
+                # The force lasts from `logged_since` to the end of the piece.
                 link.force_ticks += node.now + ticks - logged_since
+                # [N] is the value at the end of the piece.
                 if presses(run, link, link.force[N], link.overlaps[N]):
                     link.fading_ticks = 0
                 else:  # the force becomes faint somewhere in this piece
@@ -332,12 +334,15 @@ def count_faint_ticks(run: Run, link: Link, logged: int, ticks: int) -> int:
     the contact was `logged` as PRESS, GRAZE or OPEN. A force that starts smoothly is
     faint at first; once it presses, this time counts as part of its duration. Pieces
     without any positive force add nothing. A force that stays faint for long is
-    round-off: then NONE is returned until the contact opens or presses. The result is 0
-    if the contact presses, is open, or is not compliant.
+    round-off: then NONE is returned until the next result 0. The result is 0 if PRESS
+    is logged, if the contact is open or closed without force, or if it is not
+    compliant. GRAZE is logged for each closed contact that is not found to press, also
+    if `link.status` is PRESS and the force is faint.
     """
     faint = link.faint_ticks
     is_compliant = link.law >= Law.SPRING
-    has_force = is_compliant and link.status >= Status.PRESS  # perhaps a faint one
+    # From PRESS on a contact has a force, which may be too faint to be logged as PRESS.
+    has_force = is_compliant and link.status >= Status.PRESS
     if logged == Status.PRESS or not has_force:
         faint = 0
     elif faint != NONE and series.largest(link.force) > 0:

@@ -207,7 +207,7 @@ def update_groups(state: State, tick: int) -> None:
         group.reference_velocity = group.group_velocity
         if group.anchor_line != NONE:
             # The velocity of the anchor is the value of the line from outside, which
-            # has no delay, at this tick.
+            # has no delay, at this tick. y runs from -1 to 1 over the piece.
             piece = state.log[state.lines[group.anchor_line].read_piece]
             y = 2 * (tick - piece.start) / (piece.end - piece.start) - 1
             group.reference_velocity = lines.at(piece, y)

@@ -215,6 +215,7 @@ def make_run(
     for line in initial_lines:
         run.piece_count += line.piece_count
         if line.hard_breaks > 0:
+            # The breaks count as evenly spread over the ticks of the line.
             in_transit = np.floor(line.hard_breaks * (shortest / line.ticks))
             breaks_per_transit = np.maximum(breaks_per_transit, in_transit)
     # The longest transit time, or its replacement in a row without rods, ticks
@@ -227,6 +228,7 @@ def make_run(
     run.min_break_spacing = np.maximum(shortest // spacings, MIN_BREAK_SPACING)
     run.shortest_transit = shortest
     run.graze_velocity = GRAZE_VELOCITY * clock.scale
+    # EVENT_WINDOW is a fraction of the reference time; 1 tick is the least window.
     run.event_window = np.maximum(np.rint(reference * EVENT_WINDOW), 1)
     run.end_tick = clock.last_tick
     run.max_steps = request.max_steps

@@ -157,6 +157,7 @@ def advance(state: State, node: Node) -> bool:
         lines.advance_to(all_lines, log, node.incoming_lines[side], tick)
     left_order = lines.order_at(all_lines, log, node.incoming_lines[0], tick)
     right_order = lines.order_at(all_lines, log, node.incoming_lines[1], tick)
+    # A break of low order is hard; without a break the order is high.
     is_after_break = left_order <= MAX_HARD_ORDER or right_order <= MAX_HARD_ORDER
     limit = piece_end(state, node, is_after_break) - tick  # largest duration, ticks
     result = solve(state, node, limit)
@@ -400,7 +401,7 @@ def solve(state: State, node: Node, ticks: int) -> PieceResult:
     ticks_before = ticks
     error_before = 0.0
     no_status = 0
-    no_event = Event(1.0, NONE, no_status)  # at the end of the piece
+    no_event = Event(1.0, NONE, no_status)  # position 1 is the end of the piece
     while True:
         h = ticks * run.tick_duration
         take_inputs(state.lines, state.log, node, ticks)
@@ -408,6 +409,7 @@ def solve(state: State, node: Node, ticks: int) -> PieceResult:
         if nodes.collocate(run, links, masses, node, h, state.matrix):
             error = nodes.truncation_error(links, masses, node)
         has_solution = error >= 0
+        # Without a solution `is_precise` has no meaning.
         is_precise = error <= run.tolerance
         is_accepted = is_precise or node.is_averaging or ticks <= MIN_PIECE_TICKS
         if has_solution and is_accepted:
@@ -429,6 +431,7 @@ def solve(state: State, node: Node, ticks: int) -> PieceResult:
                 # The contacts chatter: no status holds over such a long piece.
                 ticks = max(MIN_PIECE_TICKS, ticks // CUT_OF_CHATTER)
             events.apply_transition(state, node, node.now, event.link, event.status)
+        # One tick is below MIN_PIECE_TICKS: any solution would have been accepted.
         elif ticks <= 1:  # there is no solution at all
             no_ticks = 0
             return PieceResult(no_ticks, error, no_event)
@@ -467,15 +470,16 @@ def shortening(
     between MIN_SHORTENING, or MIN_SHORTENING_OF_STARTS if the power is low, and
     MAX_SHORTENING.
 
-    The power is N for a smooth piece. It is lower where a force starts, after a touch,
-    like a power of time, often 3/2. It follows from the errors of two pieces that
-    failed: this one, and a longer one of `ticks_before` ticks before it, with
-    `error_before`, which is 0 if there was none. If the piece has no solution (`error`
-    below 0), MIN_GROWTH is returned.
+    The power is N, the degree of the polynomials, for a smooth piece. It is lower where
+    a force starts, after a touch, like a power of time, often 3/2, but it counts as 1
+    at least. It follows from the errors of two pieces that failed: this one, and a
+    longer one of `ticks_before` ticks before it, with `error_before`, which is 0 if
+    there was none. If the piece has no solution (`error` not above 0), the result is
+    MIN_GROWTH, which also bounds the ratio of successive pieces.
     """
-    if error <= 0:  # there is no solution
+    if error <= 0:  # -1: there is no solution
         return MIN_GROWTH
-    power = 1.0 * N
+    power = 1.0 * N  # as a float
     if error_before > error:
         # error_before/error = (ticks_before/ticks)^observed_power
         observed_power = math.log(error_before / error) / math.log(ticks_before / ticks)

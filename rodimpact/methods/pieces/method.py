@@ -231,9 +231,9 @@ def _result_of(members: Members, accuracy: dict[str, float], goal: float) -> Run
         t_end = until  # exactly as given, while `end_tick` is rounded
     else:
         t_end = end_tick * tick
-    round_trip = 2 * clock.longest_rod * tick
+    round_trip = 2 * clock.longest_rod * tick  # of a wave in the longest rod, s
     t_final = totals.last_of(run, ended.links, t_end, round_trip)
-    if run.proved_tick >= 0:
+    if run.proved_tick >= 0:  # it is NONE, which is negative, without a proof
         t_proved = run.proved_tick * tick
     else:
         t_proved = math.nan

@@ -64,7 +64,7 @@ def overlap_changes(link: Link) -> bool:
     contact that presses. It changes in a joint, although its status is BOND, in a
     compliant contact, and in an open contact, whose gap is minus the overlap.
     """
-    if link.status == Status.BOND:
+    if link.status == Status.BOND:  # here the status of bonds, pushes and joints
         return bool(link.law == Law.JOINT)
     is_stiff = link.law == Law.RIGID and link.status == Status.PRESS
     return bool(link.status != Status.REST and not is_stiff)

@@ -257,7 +257,7 @@ def _fit_longest(signal: Pieces, edges: Ints, barriers: Any, tolerance: float) -
         width //= 2
         halved = tried[~is_accepted]
         tried = np.concatenate((halved, halved + width))  # both halves are tried next
-        tried = tried[tried < n]
+        tried = tried[tried < n]  # a second half may begin after the last interval
     # The pieces that are left have a single interval each: they keep its series, which
     # may have a lower degree than a piece: its other coefficients are 0.
     own_series = signal.cut(edges[:-1], int(edges[-1])).coefficients[tried]

@@ -438,5 +438,5 @@ def eliminate(G: Matrix, n: int, band: int) -> None:
         row = G[i]
         s = row[n]
         for q in range(i + 1, min(n, i + 2 * band)):
-            s -= row[q] * G[q][n]  # in later rows column n is the solution by now
+            s -= row[q] * G[q][n]  # column n of a later row q holds the solution x[q]
         row[n] = s / row[i]
