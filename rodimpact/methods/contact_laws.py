@@ -412,7 +412,8 @@ def mean_force(link: Any, x0: float, x1: float) -> tuple[float, float]:
     else:  # a spring, which may have a dashpot
         F, dF = mean_spring(k, damping, x0, x1)
     # The damping of power and yielding laws is chi, and their factor 1 + chi w. The
-    # mean of a spring already includes its dashpot.
+    # mean of a spring already includes its dashpot. A yielding contact without damping
+    # has the factor 1.
     if law == Law.POWER or (law == Law.YIELD and damping > 0):
         factor = 1 + damping * w
         dF = dF * factor + F * damping  # product rule, as dw/dx1 = 1

@@ -235,7 +235,8 @@ def find_closing_tick(node: Node, tick: int, arrival_tick: int, window: int) -> 
         If the gap closes at most this number of ticks before the arrival, or later, the
         tick of the arrival is returned.
     """
-    if node.gap < -node.gap_rate * (NEVER - tick):  # it closes before the clock ends
+    # True if the gap closes before the clock ends, so never if it does not shrink
+    if node.gap < -node.gap_rate * (NEVER - tick):
         # gap/speed + 1/2, with the speed -gap_rate; `trunc` of it is the nearest tick
         ticks = (2 * node.gap - node.gap_rate) / (-2 * node.gap_rate)
         closing_tick: int = tick + math.trunc(ticks)

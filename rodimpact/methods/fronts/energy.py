@@ -67,6 +67,8 @@ def measure_segments(state: State) -> None:
             # The last wave is still being sent: its width is all of `first_sent_ago`.
             wave_integral += wave * first_sent_ago
             square_integral += (wave - mean) * (wave - mean) * first_sent_ago
+        # A segment has the mass Z per tick of its transit, the velocity (a + b)/2, and
+        # the energy Z ((a - V)^2 + (b - V)^2)/4 per tick about the mean V.
         segment.momentum = impedance * wave_integral / 2
         segment.vibration_energy = impedance * square_integral / 4
 

@@ -143,9 +143,9 @@ def find_group_motion(state: State, k: int, s: int, now: int) -> None:
     follow from its waves, see `measure_waves`: the bounds hold for a single segment,
     not for a group of several. There are two exceptions. The mean velocity of a group
     that is bonded to the outside is the wave that arrives from there; if that is a
-    wall, there are no bounds. If the waves in the group are steady, both
-    bounds are the mean velocity, unless the contact presses a group that is bonded to a
-    semi-infinite bar.
+    wall, there are no bounds. If the waves in the group are steady, both bounds are the
+    mean velocity, unless the contact presses a group that is bonded to a semi-infinite
+    bar.
     """
     segments = state.segments
     nodes = state.nodes

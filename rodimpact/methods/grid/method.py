@@ -126,13 +126,14 @@ def run_grid(
         h = step / factor
         if until is None:
             # Each step counts as one event of each link; a link stands between two
-            # neighbours in the row, and at each of its ends.
+            # neighbours in the row, and at each of its ends. One step is always taken.
             last_step = max(1, max_events // len(row.links))
             run = GridRun(mesh, h, snapshots)
             _run_to_proof(run, last_step, report)
         else:
             last_step = round(until / h)  # 0 if `until` is less than half a step
-            run = GridRun(mesh, h, snapshots, expected_steps=max(1, last_step))
+            expected_steps = max(1, last_step)  # 0 would stand for an unknown number
+            run = GridRun(mesh, h, snapshots, expected_steps)
             _run_to_end(run, last_step, report)
         return run
 
@@ -140,6 +141,7 @@ def run_grid(
         goal = RTOL
         if rtol is not None:
             goal = rtol
+        # No segment gets more than MAX_REFINED_CELLS cells.
         max_factor = MAX_REFINED_CELLS // max(counts)
         run = _run_refined(run_level, order_of(row), goal, max_factor)
     else:

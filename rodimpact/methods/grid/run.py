@@ -625,7 +625,7 @@ def step_time(mesh: Mesh, *, plain: bool) -> float:
         factor += 1
     if mesh.couples_nodes:  # equations are solved
         factor += of_equations
-    nodes = len(mesh.mass)  # about the number of cells
+    nodes = len(mesh.mass)  # there is one cell more, which does not matter
     return of_step + nodes * factor * of_cell
 
 

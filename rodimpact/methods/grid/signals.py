@@ -206,6 +206,7 @@ def _tally(run: GridRun, k: int, force: Floats, intervals: Floats) -> ContactTal
     is_impact = law.law == "rigid" and law.restitution is not None
     if is_impact:
         peak = math.nan
+        # STEP_RTOL allows for the round-off of a duration of one step.
         is_instant = ends - begins <= run.step * (1 + STEP_RTOL)
         ends = np.where(is_instant, begins, ends)  # the duration becomes 0
     first = math.nan

@@ -123,6 +123,7 @@ def hidden_errors(fine: Ended, fit_error: float) -> list[float]:
     # Velocities that the peak forces of the links make, m/s
     velocities = [link.peak_force * link.effective_mobility for link in fine.links]
     largest_velocity = max_abs(velocities) / run.velocity_scale
+    # The round-offs of many steps add up as their square root: their signs vary.
     round_off = ROUND_OFF * (ROUND_OFFS_OF_STEP + math.sqrt(run.steps))
     # Velocities that are larger than the scale, and cancel, have a larger round-off.
     round_off = round_off * max(1.0, largest_velocity)
@@ -307,7 +308,7 @@ def momentum_error(fine: Ended) -> float:
         is_free = True
         for part in fine.parts[first : first + group.part_count]:
             mass += part.mass
-            is_anchor = part.kind >= PartKind.WALL
+            is_anchor = part.kind >= PartKind.WALL  # a wall or an endless rod
             is_free = is_free and not is_anchor
         if is_free and mass > 0:
             momentum = 0.0  # change since t = 0, kg m/s

@@ -84,6 +84,7 @@ def solve(
     request = RunRequest(until, tolerance_of(rtol), max_events, keeps_history=True)
     members = Members(row, request)  # a family with one member
     members.run_member(report=report)
+    # [0, 0] is the only run of the only member.
     if members.runs["stop_reason"][0, 0] == Stop.STUCK:
         nodes = record_lists.as_objects(members.nodes[0])
         # The earliest node was the one to go next.

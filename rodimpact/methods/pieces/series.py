@@ -434,7 +434,8 @@ def eliminate(G: Matrix, n: int, band: int) -> None:
             for q in range(i + 1, right):
                 lower[q] -= factor * row[q]
             lower[n] -= factor * row[n]
-    for i in range(n - 1, -1, -1):  # back substitution
+    # Back substitution. Row i is 0 from column i + 2 band on, as above.
+    for i in range(n - 1, -1, -1):
         row = G[i]
         s = row[n]
         for q in range(i + 1, min(n, i + 2 * band)):
