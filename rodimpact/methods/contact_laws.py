@@ -515,12 +515,12 @@ def load_plastically(link: Any, x0: float, x1: float) -> tuple[float, float, int
     while force + slope * (x1 - x) > knots[knot]:
         knot_force = knots[knot]
         rise = (knot_force - force) / slope  # of the overlap, up to the knot
-        work += rise * (force + knot_force) / 2
+        work += rise * (force + knot_force) / 2  # trapezium up to the knot
         x = x + rise
         force = knot_force
         slope = link.shares[knot] * k
         knot += 1
     last_rise = x1 - x
     end_force = force + slope * last_rise
-    work = work + last_rise * (force + end_force) / 2
+    work = work + last_rise * (force + end_force) / 2  # trapezium up to x1
     return end_force, work, knot

@@ -97,6 +97,7 @@ def set_group_velocities(state: State) -> None:
         velocity = momentum / mass
         left = nodes[first - 1]
         right = nodes[last]
+        # A bond at an end of a group is a bond to the outside.
         is_anchored = left.status == Status.BOND or right.status == Status.BOND
         if run.events > 0 and not is_anchored:
             change = (left.impulse - right.impulse) / mass

@@ -78,11 +78,14 @@ def segment_at_end(n: int, side: int) -> int:
 
 def line_from_outside(n: int, side: int) -> int:
     """Line on which waves come to an end of n segments from outside: 0 or 2 n + 3."""
+    # Segment s has the lines 2 s to the right and 2 s + 1 to the left. The lines are
+    # the one to the right outside (s = 0), or the one to the left outside (s = n + 1).
     return side * (2 * n + 3)
 
 
 def line_inward(n: int, side: int) -> int:
     """Line on which an end of n segments sends waves inward: 2 or 2 n + 1."""
+    # The line to the right in segment 1, or the line to the left in segment n
     return 2 + side * (2 * n - 1)
 
 
@@ -539,6 +542,7 @@ def append_front_if_new(
     `wave`; its `next_row` is not set yet. `log_rows` of the run counts the new row.
     """
     is_first = run.log_rows == first_row
+    # The last row in use is the previous front, of the same line.
     if is_first or abs(wave - log[run.log_rows - 1].value) > run.velocity_tolerance:
         front = log[run.log_rows]
         front.tick = tick

@@ -267,7 +267,7 @@ class Members:
         is_ended_by_proof = run.ticks_after_proof != NEVER
         if is_ended_by_proof or reached <= 0:
             return None
-        expected = int(run.steps * (float(run.end_tick) / reached)) + 1
+        expected = int(run.steps * (float(run.end_tick) / reached)) + 1  # rounded up
         return min(self.request.max_steps, expected)
 
     def _run_slice(self) -> Stop:
