@@ -39,6 +39,7 @@ def effect_of_rounding(finished: FrontRun) -> Mapping[str, float]:
     """
     if finished.clock.transit_error <= ROUNDED or finished.stopped_by == "max_events":
         return NO_ERRORS
+    # The second run may take more events, and needs a cap above 0.
     request = RunRequest(
         until=finished.until,
         max_events=RERUN_EVENT_FACTOR * (finished.run.events + 1),

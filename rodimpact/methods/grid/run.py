@@ -331,7 +331,8 @@ class GridRun:
         arrays = [*self.grid, *flat_window]
         self.grid.run["first_step"] = first
         self.grid.run["kept_states"] = 0
-        # Estimated time in plain Python, s: the steps, and copying to lists and back
+        # Estimated time in plain Python, s: the steps, and copying all numbers, of 8
+        # bytes each, to lists and back
         numbers = sum(array.nbytes for array in arrays) // 8
         plain_seconds = (end - first) * step_time(self.mesh, plain=True)
         plain_seconds += numbers * kernels.LIST_TIME

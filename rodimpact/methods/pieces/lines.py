@@ -214,6 +214,7 @@ def append_piece(
     if old == NONE:  # the line has no piece yet
         line.first_piece = i
         line.read_piece = i
+    # A series of degree 0 is constant, with the value `coefficients[0]`.
     elif degree == 0 and log[old].degree == 0 and log[old].coefficients[0] == c[0]:
         log[old].end = stop  # the same constant goes on
         return NONE

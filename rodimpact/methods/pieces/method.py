@@ -336,6 +336,7 @@ def _struck_together(row: Row) -> str:
     for i, link in enumerate(row.links):
         if link.law == Law.IMPACT and float(link.gap) == 0:
             touching.append(i)
+    # Neighbouring links have a rigid body in common.
     if any(right == left + 1 for left, right in pairwise(touching)):
         return (
             " Rigid bodies that touch are struck together; "
