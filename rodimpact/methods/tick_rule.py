@@ -79,6 +79,7 @@ def recognise(x: float) -> tuple[int, int]:
         q1 = q2
         if p1 > MAX_TERM or q1 > MAX_TERM:
             return 0, 0
+        # abs(x - p/q) <= RATIO_RTOL x, multiplied by q
         if abs(x * q1 - p1) <= RATIO_RTOL * x * q1:
             return p1, q1
         if y == a:  # the fraction ends, without an accurate convergent

@@ -341,7 +341,8 @@ def _opening(gap: Floats, open_end: int, open_gap: float, force_end: float) -> f
     # With nan as its second argument max returns the first one.
     last_zero = max(_last_time_at(gap, open_end, 0.0), force_end)
     # A parabola in proportion to (t - vertex)^2: the times since the vertex at half the
-    # level and at the level have the ratio sqrt(1/2).
+    # level and at the level have the ratio sqrt(1/2), so that the time between these
+    # two is 1 - sqrt(1/2) of the latter.
     half_passed = _last_time_at(gap, open_end, open_gap / 2)
     passed = _last_time_at(gap, open_end, open_gap)
     vertex = passed - (passed - half_passed) / (1 - math.sqrt(0.5))

@@ -488,6 +488,7 @@ def _columns_of(family: Members, refused: Any) -> Columns:
     run = family.runs[:, 0]
     zero_or_nan = np.where(refused, math.nan, 0.0)  # added to results
     before, after = _body_velocities(family)
+    # Without a proof `proved_tick` is NONE, which is negative.
     final = (run["proved_tick"] >= 0) & ~refused
     is_capped = run["stop_reason"] == Stop.CAP
     vibration = zero_or_nan
