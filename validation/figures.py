@@ -224,7 +224,7 @@ def main() -> None:
         ri.plot.save(ax.figure, path, force=True)
         kilobytes = path.stat().st_size / 1e3
         print(f"{kilobytes:6.1f} kB  {path}")
-    with ri.plot.look(width=170):
+    with ri.plot.look(width=170):  # mm
         film = ri.plot.animation(unequal, frames=60, fps=20)
     film.save(FOLDER / "unequal_rods.gif", force=True)
 

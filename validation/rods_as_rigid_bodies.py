@@ -134,19 +134,22 @@ class Differences(NamedTuple):
 def differences_of(system: ri.System) -> Differences:
     """Relative differences between the collision of two rods and of rigid bodies.
 
-    The rigid bodies have the e of the rods. e is returned as well.
+    The rigid bodies have the e of the rods, which is returned as well. The difference
+    of velocities is the largest absolute one; those of impulse and energy are signed,
+    rods minus rigid bodies. The units are closing speed v, m v and m v^2/2, with the
+    reduced mass m.
     """
     solution = ri.solve(system)
     outcome = solution.outcome
-    body = outcome.as_rigid()
+    bodies = outcome.as_rigid()  # the collision of rigid bodies
     mass = rigid.reduced_mass(*outcome.masses)
-    closing = -body.relative_velocity_before
-    velocity_1 = float(solution.mean_velocity(0, solution.t_end))
-    velocity_2 = float(solution.mean_velocity(1, solution.t_end))
-    difference_1 = abs(velocity_1 - body.velocity_1)
-    difference_2 = abs(velocity_2 - body.velocity_2)
-    impulse = solution.contacts[0].impulse - body.impulse
-    energy = sum(outcome.vibration_after) - body.energy_lost
+    closing = -bodies.relative_velocity_before
+    velocity_1 = float(solution.mean_velocity(body=0, t=solution.t_end))
+    velocity_2 = float(solution.mean_velocity(body=1, t=solution.t_end))
+    difference_1 = abs(velocity_1 - bodies.velocity_1)
+    difference_2 = abs(velocity_2 - bodies.velocity_2)
+    impulse = solution.contacts[0].impulse - bodies.impulse
+    energy = sum(outcome.vibration_after) - bodies.energy_lost
     return Differences(
         velocity=max(difference_1, difference_2) / closing,
         impulse=impulse / (mass * closing),

@@ -163,7 +163,8 @@ def _status_conditions(phase: ContactPhase, in_order: bool) -> list[TracedFracti
 
     They are those at the start of the phase and at each jump. A gap that is 0 at the
     start is replaced by the velocity with which it opens. Phases of any other status
-    have no such conditions.
+    have no such conditions. With `in_order` the jumps count in the order of this run;
+    otherwise each has a unit step as a factor.
     """
     if phase.status == Status.PRESS:
         conditions = [phase.closing]

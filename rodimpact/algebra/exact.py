@@ -164,6 +164,7 @@ def _check_wave_speeds(row: Row, source: _CaseNumbers) -> None:
     transit times.
     """
     unit = source.squared_speed_unit
+    is_first_irrational = unit != 1  # it is 1 if the first rod's speed is rational
     irrational = []
     for path, squared_speed in source.squared_speeds.items():
         if rational_root(squared_speed / unit) is None:
@@ -175,7 +176,7 @@ def _check_wave_speeds(row: Row, source: _CaseNumbers) -> None:
     if irrational:
         path = irrational[0]
         relation = ", also relative to the first rod"
-    elif (has_gaps or has_given_times) and unit != 1:
+    elif (has_gaps or has_given_times) and is_first_irrational:
         path = next(iter(source.squared_speeds))
         relation = ""
     else:

@@ -116,8 +116,8 @@ def run_exactly(row: Row, numbers: RowNumbers, max_events: int) -> ExactRun:
     The results are traced fractions in the units of the model; without a proof the
     restitution is None.
     """
-    layout = lay_out_family(row)
-    tick_rate = _tick_rate(numbers)
+    layout = lay_out_family(row)  # a family of this row only
+    tick_rate = _tick_rate(numbers)  # ticks in a unit of time
     ticks = [T * tick_rate for T in numbers.transit_times]
     simulation = start_simulation(
         layout,
@@ -127,7 +127,8 @@ def run_exactly(row: Row, numbers: RowNumbers, max_events: int) -> ExactRun:
         frame_velocity=ZERO,
     )
     is_final = simulation.run_to_proof(max_events, tolerance=ZERO) == Stop.FINAL
-    energy.update_motion(simulation)  # velocities of groups, which `_motion` reads
+    # `_motion` needs the velocities of groups, the rods and masses bonded together.
+    energy.update_motion(simulation)
     motions = []
     velocities_after = []
     for body in range(len(row.spans)):

@@ -365,7 +365,8 @@ class ClosedForm:
     def holds(self, **values: Any) -> bool:
         """Whether the formula holds at values of the symbols, given as in `at`.
 
-        It does not hold on a border to another formula, nor if a number other than a
+        The formula consists of one or more cells. It holds also on a border between two
+        of them, but not on a border to another formula, nor if a number other than a
         velocity is 0 or negative.
         """
         point = self._point(values)
@@ -374,12 +375,16 @@ class ClosedForm:
                 return False
         if any(cell.contains(point) for cell in self._cells):
             return True
-        # A point on inner borders is in no cell. It belongs to the formula unless it
-        # lies in another cell or on its border.
+        # A point on an inner border, between two cells of this formula, is inside no
+        # cell. It belongs to the formula unless it lies in a cell of another formula or
+        # on the border of such a cell.
         inner = self._ties.inner
-        if not any(cell.contains(point, inner) for cell in self._cells):
+        if not any(cell.contains(point, open_borders=inner) for cell in self._cells):
             return False
-        return not any(other.contains(point, other.borders) for other in self._others)
+        for other in self._others:
+            if other.contains(point, open_borders=other.borders):
+                return False
+        return True
 
     @cached_property
     def _borders(self) -> list[Any]:

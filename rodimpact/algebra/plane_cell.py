@@ -117,9 +117,10 @@ class PlaneCell:
         """
         with np.errstate(all="ignore"):
             numbers = program(self._values_at(x, y))
-            # x gives its shape to conditions that do not depend on the point.
+            # A condition that does not depend on the point is a single number: x gives
+            # it the shape of the points, and is then left out.
             broadcast = np.array(np.broadcast_arrays(x, *numbers))
-            return broadcast[1:] > 0  # without x
+            return broadcast[1:] > 0
 
     def _values_at(self, x: Floats, y: Floats) -> dict[str, Any]:
         """Values of all names at points (x, y) of the plane, arrays or numbers.

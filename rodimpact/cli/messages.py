@@ -152,8 +152,8 @@ def _as_option(match: re.Match[str]) -> str:
 
 
 def _argument_in(match: re.Match[str]) -> str:
-    """Name of the argument in a match of `_ARGUMENT`."""
+    """Name of the argument in a match of `_ARGUMENT`, for "(until)" "until"."""
     for group in ("named", "bare"):
         if match[group] is not None:
             return match[group]
-    return "until"  # the match of "(until)", which has no group
+    return "until"  # The text "(until)" is the only match without a group.

@@ -304,12 +304,16 @@ def _reduce(
 
 
 def _json(reduction: Reduction) -> str:
-    """The reduction as JSON in SI units: verdict, shifts, doubts, and all columns."""
+    """The reduction as JSON in SI units.
+
+    It has the verdict, the shifts, the alignment (null if there is none), the doubts,
+    the times, and all signals. The sentences of the verdict are left out.
+    """
     columns = {}
     for name, signal in reduction.signals.items():
         columns[name] = signal.values.tolist()
     verdict = reduction.verdict._asdict()
-    del verdict["sentences"]
+    del verdict["sentences"]  # they say in words what the other fields are
     alignment = None
     if reduction.alignment is not None:
         alignment = reduction.alignment._asdict()

@@ -28,7 +28,7 @@ EXACT_MISFIT = 1e-12
 BETTER_MISFIT_RTOL = 1e-9
 """A smaller improvement of the misfit is no reason for more segments."""
 AT_LIMIT_RTOL = 1e-6
-"""Relative distance from a limit at which an area is at the limit."""
+"""Relative distance at which an area is at a limit: a difference of logarithms."""
 
 
 @explain_arguments

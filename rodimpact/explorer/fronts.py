@@ -149,12 +149,14 @@ def transits_of(run: PageRun) -> list[Any]:
 def waves_of_fronts(run: PageRun) -> list[Any]:
     """Waves of all segments in the form of `reading.waves_of`, two for each segment.
 
-    Each front begins a constant piece, and the next front of its line ends it.
+    The waves of the outside on the right follow as the last two. Each front begins a
+    constant piece, which counts until the next piece of its line begins.
     """
     state = run.state
     pieces: list[Any] = []
     for front in state.log[: run.record.log_rows]:
-        if front.line > 1:  # neither a change of a contact nor a line outside
+        # Line -1 stands for a change of a contact, 0 and 1 for the outside on the left.
+        if front.line > 1:
             piece = piece_of(front.tick, NEVER, [front.value])
             piece.line = front.line - 2  # the first line inside the row becomes 0
             piece.break_order = 0  # the wave itself jumps at its start

@@ -256,15 +256,16 @@ def energy_curves(run: Any, corners: list[float]) -> Any:
 def energy_times(run: Any, corners: list[float]) -> list[float]:
     """Times of the curves of energy, s, in order, each once.
 
-    They are the corners and `ENERGY_INTERVALS` + 1 even times, fewer for a draft. If
-    these are more than `MAX_ENERGY_INTERVALS`, so many even intervals are taken
-    instead.
+    They are the corners and `ENERGY_INTERVALS` + 1 even times, in a draft
+    `DRAFT_ENERGY_INTERVALS` + 1. If these are more than `MAX_ENERGY_INTERVALS`, so many
+    even intervals up to the last time are taken instead, without the corners.
     """
     n_intervals = ENERGY_INTERVALS
     if run["draft"]:
         n_intervals = DRAFT_ENERGY_INTERVALS
     times = [*corners]
     for k in range(n_intervals + 1):
+        # "now" is the last tick of the run.
         times.append(run["now"] * k / n_intervals * run["tick"])
     times = sorted(times)
     end = times[-1]
@@ -274,10 +275,10 @@ def energy_times(run: Any, corners: list[float]) -> list[float]:
             distinct.append(t)
     if len(distinct) <= MAX_ENERGY_INTERVALS:
         return distinct
-    end = distinct[-1]
+    last = distinct[-1]
     even = []
     for i in range(MAX_ENERGY_INTERVALS + 1):
-        even.append(end * i / MAX_ENERGY_INTERVALS)
+        even.append(last * i / MAX_ENERGY_INTERVALS)
     return even
 
 

@@ -167,10 +167,11 @@ def layout_of_row(system: Any, facts: Any) -> Any:
             length += segment["length"]
     slowest = slowest_velocity(system, facts["outcome"]["before"])
     offsets = initial_offsets(system, facts["tiling"])
-    # Range of all displacements, m: at rest, and in the frame of the slowest body
+    # Range of all displacements, m, in the frame at rest and in that of the slowest
+    # body
     reach = spread(facts, offsets, 0.0)
     relative_reach = spread(facts, offsets, slowest)
-    strain = peak_of(facts["tiling"]["strain"])
+    strain = peak_of(facts["tiling"]["strain"])  # limits the magnification
     magnification = magnified(length, reach, relative_reach, strain)
     frame = 0.0
     if drifts(reach, relative_reach):

@@ -60,7 +60,10 @@ TOO_MUCH_WORK = (
 
 
 def clock_of(row: Any, until: Any, share: float) -> Any:
-    """The clock of a row with rods; None if its transit times are too far apart.
+    """The clock of a row with rods, or None if there is no clock that fits.
+
+    None is returned if a transit time has too few ticks, because the transit times are
+    too far apart or the end of the run is too late.
 
     Parameters
     ----------
@@ -68,8 +71,8 @@ def clock_of(row: Any, until: Any, share: float) -> Any:
     until : float or None
         Given end of the run, s.
     share : float
-        Share of the longest horizon that the clock must be able to count if no end is
-        given. A smaller share has finer ticks.
+        Used if no end is given: the clock must count to this share of the longest
+        horizon. A smaller share makes finer ticks.
     """
     transit_times = [segment.transit_time for segment in row.segments]
     reference = largest(transit_times)
@@ -83,6 +86,7 @@ def clock_of(row: Any, until: Any, share: float) -> Any:
         end = default_horizon(reference, crossing_time, flight_time, share)
     # Ticks of the longest transit time, and of that of each segment
     total, transits = count_ticks(transit_times, reference, end)
+    # If no clock counts to the end, the total is 0.
     if total == 0 or min(transits) <= MIN_TRANSIT:
         return None
     tick = reference / total

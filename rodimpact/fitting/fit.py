@@ -197,19 +197,20 @@ class _Task(NamedTuple):
 
 
 def _fit_from_sweep(task: _Task, vary: Mapping[str, Any], search_count: int) -> Trial:
-    """Fit without additions: one search from each of the best points of a sweep.
+    """Fit of the numbers in `vary` only: a search from each best point of a sweep.
 
-    The result is the search with the least cost. Sweep and first searches are on the
-    coarse grid, see `search_on`.
+    The result is the search with the least cost, with the name "". The sweep is on the
+    coarse grid; each search begins on the coarse grid and ends on the fine one.
     """
     grids = _grids(task, vary)
     points = _starting_points(grids.coarse, search_count)
-    sizes = sizes_of_numbers(grids.fine, points[0])  # gains have those of this point
+    sizes = sizes_of_numbers(grids.fine, points[0])  # of a gain: its value here
     ends = []
     for point in points:
         ends.append(search_on(grids, point, sizes))
     ends.sort(key=lambda end: end.cost)
     fit = summarise(grids.fine, ends, sizes)
+    # The name is "" because nothing is added to `vary`.
     return Trial(name="", fit=fit, objective=grids.fine, end=ends[0])
 
 

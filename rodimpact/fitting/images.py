@@ -53,7 +53,7 @@ class Place(NamedTuple):
 
         The images of a force stand for the wave that the force sends out and for its
         reflections at both ends; each wave is dispersed by the exact first mode. A free
-        end has no force.
+        end has no force. The signal must begin at t = 0.
         """
         from scipy import fft
 
@@ -64,6 +64,7 @@ class Place(NamedTuple):
         length = float(rod.length)
         # Longest path of a wave that arrives in time, and a round trip more
         farthest = signal.end * bar.wave_speed + 2 * length
+        # Time of travel over this path, in samples
         travel_samples = farthest / bar.wave_speed / signal.dt
         # Zeros are added so that slow waves do not wrap round to the beginning.
         padded_size = 2 * len(signal) + math.ceil(SLOW_WAVE_RATIO * travel_samples)

@@ -90,7 +90,7 @@ def power_spectrum(correlation: Floats) -> Floats:
     """
     n = len(correlation)
     first_zero = int(np.argmax(correlation <= 0))
-    if first_zero == 0:
+    if first_zero == 0:  # argmax found no zero
         first_zero = n
     # Entry k is the autocovariance at lag k, entry 2 n - k that at lag -k.
     symmetric = np.zeros(2 * n)

@@ -44,11 +44,12 @@ ONE_WAY_RTOL = 0.1  # relative difference of abs(dv) and abs(c d(strain)) at a f
 MIN_PIECE = 1e-9  # shortest piece, over the rod's length: shorter ones are round-off
 SPRING_TURNS = 8
 _ZIGZAG = 0.12 * np.resize([1.0, -1.0], SPRING_TURNS)  # distances between rows
+# Heights of the corners of a spring: a zigzag between two straight ends
 SPRING_HEIGHT = np.concatenate([[0.0, 0.0], _ZIGZAG, [0.0, 0.0]])
-SPRING_LENGTH = np.concatenate(
+SPRING_SHARES = np.concatenate(
     [[0.0], np.linspace(0.12, 0.88, SPRING_TURNS + 2), [1.0]]
 )
-"""Corners of a spring from 0 to 1, a zigzag between two straight ends: height, x."""
+"""Distances of the corners of a spring from its start, in lengths of the spring."""
 
 
 STATE = ("half_height", "velocity", "strain", "stress", "speed")
@@ -311,6 +312,7 @@ class Bars:
 
         A block is as wide as `mass_width` of the layout, and as high as a thick rod.
         """
+        # Widths and positions in the picture's unit
         width = self.layout.mass_width * self.x_scale.factor
         blocks: list[patches.Rectangle] = []
         for i, body in enumerate(self.system.bodies):
@@ -334,8 +336,8 @@ class Bars:
         """
         self._mark_ends()
         for _, start, stop in self.layout.springs(self.times):
-            # Corners [corner, row] of the spring; matplotlib draws a line a column.
-            x = start + np.outer(SPRING_LENGTH, stop - start)
+            # Corners [corner, row] of the spring, m; matplotlib draws a line a column.
+            x = start + np.outer(SPRING_SHARES, stop - start)
             self.ax.plot(
                 x * self.x_scale.factor,
                 np.add.outer(SPRING_HEIGHT, self.row_heights),

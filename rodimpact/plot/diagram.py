@@ -258,7 +258,7 @@ def _named_contacts(contacts: ContactLines) -> list[artist.Artist]:
 
 
 def _with_average(scale: Scale, field: str, cut: Cut) -> Scale:
-    """The scale with ", mean over ..." in its name if its values are averages.
+    """The scale with a line "mean over ..." in its name if its values are averages.
 
     They are those of a raster whose cells last longer than a tick: a short peak is
     higher than such an average. Displacements and values of polygons are no averages;

@@ -311,11 +311,12 @@ class Animation:
     def _draw_bodies(self, t: float) -> None:
         """Draw the bodies at time t, s, on their own Axes.
 
-        They are rods in the colours of the field, walls and masses, and marks of
-        contacts.
+        They are rods in the colours of the field, with outlines, walls, masses, and
+        marks of ends and contacts. What is drawn already stays: `frame` removes it.
         """
         bars = self._bars
         bars.move_to(np.array([t]))
+        # Values in the unit of the colour scale
         values = bars.pieces[self.field] * self._factor
         bars.draw_rods(values, self._norm)
         bars.draw_walls()

@@ -57,7 +57,10 @@ def html_of(result: Solution | SweepResult | PulseDesign | Fit) -> str:
 
 
 def _family_table(result: SweepResult) -> str:
-    """Table of a family as plain text, with the units of the varied numbers."""
+    """Results of a family as plain text, with the units of the varied numbers.
+
+    `sweep_table` writes the tables: the grids, the extremes of e, and the collisions.
+    """
     varied = []
     for axis in result.axes:
         unit = quantity_of_parameter(result.system, axis.name).unit

@@ -81,7 +81,8 @@ def figure_of(drawn: Any) -> Any:
     """
     axes = getattr(drawn, "ax", drawn)  # the Axes of a picture
     figure = getattr(axes, "figure", axes)
-    figure = getattr(figure, "figure", figure)  # the whole of a subfigure
+    # A subfigure has the figure that contains it, a figure has itself.
+    figure = getattr(figure, "figure", figure)
     if not isinstance(figure, Figure):
         raise invalid_argument(
             "picture",

@@ -66,8 +66,10 @@ class Raster:
     def _values_in_rod(self, body: int, field: str, frame: float) -> Floats:
         """Values of a field in the cells [pieces, times] of a rod, as in `values`.
 
-        The energy per length is A (rho v^2 + stress strain)/2, with v in the frame. Any
-        field that is not named here is taken for the energy.
+        Displacements are those in the middle of a cell; all other fields are averages
+        over its time. Only displacements and energies are seen from the frame. The
+        energy per length is A (rho v^2 + stress strain)/2, with v in the frame. Any
+        field but displacement, velocity, strain and stress is taken for the energy.
         """
         x = middles(pieces(self.solution, body))
         if field == "displacement":

@@ -266,6 +266,7 @@ def fit(result: Fit, ax: Sequence[Axes] | None = None, record: int = 0) -> Pictu
     check_kind("result", result, Fit, "fit(system, measured, vary, until)")
     record = integer("record", record, 0, len(result.measured) - 1)
     predicted = result.predicted[record]
+    # The prediction is fitted already: `comparison` must not fit shift and scale.
     return comparison(
         result.measured[record].signal,
         predicted,

@@ -141,6 +141,8 @@ def multiple(value: float, unit: str) -> str:
     """Write value times unit, as a fraction if one with a small denominator is equal.
 
     The denominator is `MAX_DENOMINATOR` at most; any other value has three digits.
+    Values up to 1 may differ by `NEGLIGIBLE_RTOL` from their fraction, larger ones by
+    this share of themselves.
 
     Examples
     --------
