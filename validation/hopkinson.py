@@ -216,6 +216,7 @@ def gauge_delays(material: ri.Material, striker_length: float, gauge: float) -> 
     """Duration of a pulse, and delay of its reflection behind it, both in us.
 
     The gauge is `gauge` m from the free end of the bar, at which the pulse turns back.
+    The reflection starts when it first exceeds half of its peak.
     """
     bar_length = 4 * gauge  # so long that both pulses pass the gauge one by one
     striker = ri.Rod(striker_length, area=1e-4, material=material, velocity=10.0)

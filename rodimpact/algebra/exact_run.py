@@ -113,8 +113,8 @@ class BodyMotion(NamedTuple):
 def run_exactly(row: Row, numbers: RowNumbers, max_events: int) -> ExactRun:
     """Run the kernel to the proof that the collision is final, or to the cap.
 
-    The results are traced fractions in the units of the model; without a proof the
-    restitution is None.
+    The results are traced fractions in the units of the model. Without a proof they are
+    those at the cap, and the restitution is None.
     """
     layout = lay_out_family(row)  # a family of this row only
     tick_rate = _tick_rate(numbers)  # ticks in a unit of time

@@ -522,7 +522,8 @@ class ClosedForm:
     def _repr_latex_(self) -> str:
         """The formula and its nearest conditions in LaTeX, for a notebook.
 
-        A sentence replaces conditions that are too long to compute.
+        The number of further conditions follows. A sentence replaces conditions that
+        are too long to compute.
         """
         latex = self._algebra.sympy.latex
         equations = []

@@ -158,7 +158,8 @@ class RationalFunctions:
 
         Each is a polynomial with integer coefficients without a common divisor. Its
         sign is chosen so that it is positive at the point. Factors with only positive
-        or only negative coefficients, and no velocity, are left out.
+        or only negative coefficients, and no velocity, are left out. `max_terms` is a
+        limit of `functions_of`, which raises FormulaTooLong.
         """
         factors: dict[Any, None] = {}  # the keys are the factors, in order
         for f in self._counted(self.functions_of(numbers, max_terms)):

@@ -233,8 +233,9 @@ class _SymbolSource:
     def number(self, path: str, value: float) -> Any:
         """Number at a path, with a name such as l2 if a symbol names it.
 
-        A number without a symbol is a constant. The result is None for a transit time
-        or an impedance without a symbol, which follows from other numbers.
+        A number without a symbol is a constant, and so is a gap of 0. The result is
+        None for a transit time or an impedance without a symbol, which follows from
+        other numbers.
         """
         owner, _, quantity = path.rpartition(".")
         if quantity == "gap" and value == 0:
@@ -312,7 +313,8 @@ class _SymbolSource:
     def _number_of_material(self, path: str, material: Any) -> int:
         """Number of a material in the names of its properties.
 
-        Rods of equal materials share it, unless one of them is named by its path.
+        Rods of equal materials share it, unless one of them is named by its path. The
+        materials are counted from 1, in the order of their first use.
         """
         own_path = ""
         for quantity in ("youngs_modulus", "density"):

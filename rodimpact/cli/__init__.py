@@ -69,7 +69,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     Returns
     -------
     int
-        Exit status.
+        Exit status: that of the command or of the error that it raised, `INTERRUPTED`
+        after Ctrl-C, or `FAULT` if the result cannot be written.
     """
     if argv is None:
         argv = sys.argv[1:]
@@ -322,9 +323,9 @@ def _new_parser(
 def _print(text: str | Iterable[str]) -> bool:
     """Print a result; return False, after a message, if it could not be written.
 
-    A closed pipe, whose reader has gone, is no failure. Signs that the stream cannot
-    encode are escaped. A text has calls of Python replaced by options; lines are data,
-    which stay as they are.
+    Nothing is printed for "". A closed pipe, whose reader has gone, is no failure.
+    Signs that the stream cannot encode are escaped. A text has calls of Python replaced
+    by options; lines are data, which stay as they are.
     """
     lines = text
     if text == "":

@@ -141,7 +141,10 @@ def _as_key(match: re.Match[str]) -> str:
 
 
 def _as_option(match: re.Match[str]) -> str:
-    """The option that replaces an argument, with its value if the message gives one."""
+    """The option that replaces an argument, with its value if the message gives one.
+
+    "(until)" becomes "(--until)".
+    """
     if match[0] == "(until)":  # an example: "lower the cap, or stop earlier (until)"
         return "(--until)"
     argument = _argument_in(match)

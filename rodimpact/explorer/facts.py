@@ -241,7 +241,8 @@ def slowest_velocity(system: Any, before: list[float]) -> float:
     """Velocity of smallest magnitude among walls and held ends, m/s.
 
     A held end, fixed or driven at a velocity, counts as at rest. Without walls and held
-    ends it is the velocity of smallest magnitude among the bodies.
+    ends it is the velocity of smallest magnitude among the bodies. Of equal magnitudes
+    the first counts.
 
     Parameters
     ----------

@@ -289,7 +289,8 @@ def energies_at(run: Any, now: float) -> list[float]:
     V (mean((a + b)/2) + V/2)), with the waves a and b in the frame of velocity V; its
     first term is the energy in the frame. A compressed contact has
     k d^(p + 1)/(p + 1). The kinetic part of vibration is the energy of the bodies minus
-    that of their motion as a whole and the strain energy.
+    that of their motion as a whole and the strain energy; it is 0 if round-off makes it
+    negative.
     """
     row = run["row"]
     frame = run["frame"]

@@ -276,8 +276,8 @@ def restitution_of(facts: Any) -> Any:
 def rows_of_contact(facts: Any, i: int) -> Any:
     """Pairs of name and text: impulse, peak force and force duration of contact i.
 
-    A text has the unit and the stated error. The peak force of an impact of rigid
-    bodies is NaN, and its text "-".
+    A text has the unit and the stated error, if there is one. The peak force of an
+    impact of rigid bodies is NaN, and its text "-".
     """
     contact = facts["outcome"]["contacts"][i]
     errors = facts["outcome"]["errors"]

@@ -244,7 +244,8 @@ def lacking_entry(key: str, value: Any, allowed: list[str], smooth: bool) -> str
 
     `allowed` are the keys that the page can solve, `smooth` says that characteristics
     solve the case. An entry that is None or 0 needs no physics. Sampled profiles are
-    always refused, steps if `smooth`, and other entries unless `allowed`.
+    always refused, steps if `smooth`, and other entries unless `allowed`. The physics
+    without a name in `LACKING_ENTRIES` is called "the entry KEY".
     """
     if value is None or value == 0:
         return ""
@@ -262,7 +263,8 @@ def lacking_entry(key: str, value: Any, allowed: list[str], smooth: bool) -> str
 def entries_of(case: Any) -> list[Entries]:
     """All tables of a case, each with the names of the entries that the page can solve.
 
-    Materials that no rod uses are left out.
+    Materials that no rod uses are left out. A rigid contact with a rod has no
+    restitution among its entries.
     """
     tables = []
     used_materials = []
@@ -601,8 +603,9 @@ def segment_of(table: Any, materials: Any) -> PageSegment:
 def law_of(contact: Any) -> PageContact:
     """Contact law from its table.
 
-    The exponent of springs and dashpots is 1. Numbers that the table lacks have default
-    values: 1.5 for any other exponent, None for the restitution, and 0 for the rest.
+    The exponent of springs and dashpots is 1. Entries that the table lacks have default
+    values: "rigid" for the law, 1.5 for any other exponent, None for the restitution,
+    and 0 for the rest.
     """
     law = contact.get("law", "rigid")
     exponent = contact.get("exponent", 1.5)

@@ -117,7 +117,9 @@ def predicted_residuals(
 def _blocks(records: Sequence[Measured], division: int) -> Any:
     """Number of the block of each sample of all records.
 
-    The blocks of each record are numbered on from those of the record before it.
+    All blocks of a record last equally long, see `_block_duration`. The numbers of the
+    blocks of each record continue those of the record before it. `division`, from 0 to
+    DIVISIONS - 1, makes all borders of blocks earlier by 2 division/DIVISIONS blocks.
     """
     blocks = []
     first = 0

@@ -220,7 +220,7 @@ def _fit_with_addition(
     """Fit with more numbers: one search from the end of the best search without them.
 
     The numbers added begin at their values in the system, or in the middle of their
-    bounds.
+    bounds. All numbers begin within the bounds of `vary`.
     """
     grids = _grids(task, vary)
     objective = grids.fine
@@ -301,7 +301,10 @@ def _checked_additions(
 
 
 def _checked_records(measured: Any) -> list[Measured]:
-    """The records, or the one record, as a list; InvalidModel for anything else."""
+    """The records, or the one record, as a list.
+
+    InvalidModel is raised for anything else, also for an empty list.
+    """
     records = [measured]
     if isinstance(measured, list | tuple) and measured:  # an empty one is refused below
         records = list(measured)

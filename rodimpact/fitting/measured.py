@@ -89,7 +89,8 @@ class Measured(FrozenDataclass):
     def _check(self, problems: Problems) -> None:
         """Raise InvalidModel for wrong arguments; add a wrong `seen` to the problems.
 
-        `gauge` and `level` are replaced by plain numbers in SI units.
+        Invalid bounds and a signal without a plateau are wrong, too. `gauge` and
+        `level` are replaced by plain numbers in SI units.
         """
         check_kind(
             "signal", self.signal, Signal, "read_signals('record.csv')['incident']"

@@ -38,6 +38,9 @@ def notes_on_numbers(
 ) -> list[str]:
     """Notes on numbers that are not determined, at a bound, or depend on the start.
 
+    Pairs of numbers whose errors are highly correlated are noted too, if both numbers
+    are determined.
+
     Parameters
     ----------
     fitted : sequence of Fitted

@@ -182,9 +182,9 @@ class Objective:
     # Predictions
 
     def signals(self, shares: Iterable[Floats]) -> list[list[Signal]]:
-        """Predictions before shift, gain and blur: for each of the shares, by record.
+        """Predictions of all records for each of the shares, by record.
 
-        Each system is solved once. `on_solved` is called after each.
+        Blur, shift, gain, offset and trend are not applied yet. Each system is solved once. `on_solved` is called after each.
         """
         systems = list(map(self.system_at, shares))
         strains_of_systems = self._map(self._compute_strains, systems)
@@ -208,7 +208,7 @@ class Objective:
 
         `curves` are the blurred signals by record. Each gets the shift, gain, offset
         and trend that the point has for its record, and is divided by the level of the
-        record.
+        record. The trend is 0 in the middle of the record.
         """
         shifts = point[self._index[SHIFT]]
         gains = point[self._index[GAIN]]

@@ -254,8 +254,8 @@ def _numbers_by_name(
 ) -> dict[str, list[RecordNumber]]:
     """Numbers of records by the name in `vary` that they match, or by their path.
 
-    A name that matches no number has an empty list. InvalidModel is raised if two names
-    match one number.
+    A number that no name matches is alone under its path. A name that matches no number
+    has an empty list. InvalidModel is raised if two names match one number.
     """
     numbers_of_name: dict[str, list[RecordNumber]] = {name: [] for name in vary}
     for kind in KINDS:

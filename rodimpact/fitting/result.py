@@ -283,6 +283,8 @@ class Fit(Shown):
     def to_csv(self, path: PathLike, *, force: bool = False) -> None:
         """Write value, standard error and bounds of each number, in its unit.
 
+        A header comes first. The unit of a number without a unit is "1".
+
         Raises
         ------
         FileExistsError

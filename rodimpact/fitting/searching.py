@@ -46,7 +46,8 @@ def sizes_of_numbers(objective: Objective, point: Floats) -> Floats:
 
     Numbers of the system are shares of the way between their bounds, of size 1. Gains
     have their own size; shifts and blurs have the duration of the longest record, s;
-    offsets and trends have the level of their record, trends over this duration.
+    offsets and trends have the level of their record, trends over this duration. If
+    several records share a number, the level is that of the first.
     """
     longest = 0.0
     for record in objective.measured:

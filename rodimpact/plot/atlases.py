@@ -43,8 +43,8 @@ BORDER_NAMES = ("another formula", "other contacts", "e = 1")
 def atlas(plane: Atlas, ax: Axes | None = None) -> Picture:
     """Draw the regions of a plane: e from formulas, and the changes at their borders.
 
-    The largest regions are numbered, and their formulas are written below (extra
-    ``sympy``).
+    The largest regions are numbered, and their formulas are written below; both are
+    left out without the extra ``sympy``.
 
     Parameters
     ----------

@@ -146,7 +146,9 @@ class Bars:
     def _pieces_of(self, row: int, body: int, profile: Profile) -> Any:
         """Records `PIECE` of a rod in a row of the picture, one for each of its pieces.
 
-        Pieces too short to be seen are left out.
+        Pieces too short to be seen are left out. The ends of a piece are in the
+        picture's unit. Its height grows with the root of its area and with compression;
+        very thin rods have a least height.
         """
         edges = profile.edges
         x = middles(edges)

@@ -278,7 +278,8 @@ class Borders:
     def gauges(self, gauges: Mapping[str, Gauge]) -> list[Line2D]:
         """Draw the path of each strain gauge, and write its name where the path begins.
 
-        The name is upright beside a path that runs upward. The lines are returned.
+        The name is upright beside a path that runs upward. A path joins `MAX_POINTS`
+        times of the gauge at most, those in the picture. The lines are returned.
         """
         # A border in the colour of the paper
         casing = [patheffects.withStroke(linewidth=2.4, foreground=colours().paper)]

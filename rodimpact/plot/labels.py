@@ -113,7 +113,7 @@ def with_room(
 def have_room(centres: Sequence[float], widths: Sequence[float], gap: float) -> bool:
     """Whether at least `gap` is free between all neighbours of texts in a row.
 
-    The texts are in order from left to right.
+    The texts are in order from left to right. A single text has room.
     """
     for k in range(1, len(centres)):
         distance = centres[k] - centres[k - 1]

@@ -28,7 +28,9 @@ def moments(solution: Solution, at_most: int = 8) -> Floats:
     instant half-way to the first reflection of a wave; the first reflection at each end
     of a segment; other reflections while contacts last; and middles of the longest
     intervals. If there are too many events, some are chosen evenly, with the first and
-    the last, see `n_hidden_events`. Smooth solutions have no reflections.
+    the last, see `n_hidden_events`. Smooth solutions have no reflections, and of their
+    events that lie close together only one counts. Without events and reflections there
+    are `MIN_MOMENTS` times.
     """
     # The interesting interval [first, last] is that from the first event to the last,
     # or to the end if a contact is still closed.

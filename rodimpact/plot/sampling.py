@@ -62,8 +62,9 @@ def middles(edges: Floats) -> Floats:
 def state_at(solution: Solution, body: int, t: float) -> Profile:
     """State of a rod at t, s: edges of its pieces, velocity and strain in each piece.
 
-    The edges are the ends of segments and the fronts at t. A smooth solution has the
-    edges of `pieces`, and its state is that in the middle of each piece.
+    The edges are the ends of segments and the fronts at t, which is rounded to a whole
+    tick. A smooth solution has the edges of `pieces`, and its state is that in the
+    middle of each piece at t itself.
     """
     if not is_smooth(solution):
         tick = int(solution.fields.to_ticks(t))
