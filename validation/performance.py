@@ -515,7 +515,7 @@ def main() -> None:
     """Measure everything, print the table, and keep the ratios if that is asked for.
 
     The yardsticks are measured before and after all others, and the means are taken.
-    --keep keeps the ratios.
+    The peak of memory is printed, too. --keep keeps the ratios.
     """
     # What is not compiled yet would go in plain Python, or take the memory of a
     # compiler.

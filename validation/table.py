@@ -264,7 +264,8 @@ def verdict(case: str, rows: list[Row]) -> tuple[str, ...]:
     """Cells of one case in the table of README.md, as in `VERDICT_COLUMNS`.
 
     One cell is the largest difference over its bound, without rows that allow only
-    round-off. The last cell is "pass" if all rows hold, else "fail".
+    round-off; it is "round-off" if all rows do. The last cell is "pass" if all rows
+    hold, else "fail".
     """
     shares = []
     for row in rows:

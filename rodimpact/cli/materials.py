@@ -21,7 +21,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> CommandResult:
     """Table or JSON of all materials, or of those that are named.
 
-    InvalidModel is raised for a name that is no material.
+    The sources follow the table. InvalidModel is raised for a name that is no material.
     """
     names = list(TABLE)
     if args.names:

@@ -177,7 +177,8 @@ def _units(texts: list[str]) -> Any:
 def _bridge(args: Arguments) -> Bridge | None:
     """The bridge of the call; None without --bridge.
 
-    It is also None if the bridge is invalid; then problems are added.
+    It is also None if the bridge is invalid; then problems are added. A problem is
+    added, too, for each number of a bridge without --bridge.
     """
     numbers = {}
     for name in BRIDGE_NUMBERS:

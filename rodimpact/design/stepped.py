@@ -164,7 +164,8 @@ def striker(
 def _check_bodies(bar: Rod, material: Material, contact: object) -> None:
     """Raise InvalidModel unless the search can take a bar, a material and a contact.
 
-    The bar must be a single uniform rod at rest, the material without viscosity.
+    The bar must be a single uniform rod at rest and no family, the material without
+    viscosity, the contact rigid or bonded.
     """
     is_family = System([bar]).shape != ()
     # A family is refused first: its velocities may be arrays, which `or` does not take.

@@ -26,7 +26,8 @@ EARLY = 0.75
 def reason_of(facts: Any, e: str) -> list[str]:
     """Sentence on the contact force, and sentence on the velocities that follow.
 
-    If the outcome is not final, the first text also has the first note, which says why.
+    The first says so if no contact that can open has pressed. If the outcome is not
+    final, it also has the first note, which says why.
 
     Parameters
     ----------

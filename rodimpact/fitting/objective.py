@@ -184,7 +184,8 @@ class Objective:
     def signals(self, shares: Iterable[Floats]) -> list[list[Signal]]:
         """Predictions of all records for each of the shares, by record.
 
-        Blur, shift, gain, offset and trend are not applied yet. Each system is solved once. `on_solved` is called after each.
+        Blur, shift, gain, offset and trend are not applied yet. Each system is solved
+        once. `on_solved` is called after each.
         """
         systems = list(map(self.system_at, shares))
         strains_of_systems = self._map(self._compute_strains, systems)

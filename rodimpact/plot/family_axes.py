@@ -103,7 +103,8 @@ def family_axis(
     """The axis of a dimension of the family: order, values, scale and label.
 
     The values are those that the user varied, else those of `result.axes`. If they are
-    all the same, the members are counted instead, 0, 1, .... The label also names the
+    all the same, the members are counted instead, 0, 1, ..., and the axis is called
+    "axis" with its number. The label also names the
     first of the other numbers that vary along the dimension, and how many more there
     are, unless `varied` says what the user varied. `is_ordered` is false if one of the
     other numbers, in the order of the values, both rises and falls.

@@ -213,7 +213,8 @@ def round_trips(solution: Solution) -> dict[float, str]:
     at most `MAX_NAMED_TRIPS`, in one of the two uniform rods beside the contact. In a
     row of more than two rods only the first round trip counts: later waves have crossed
     other rods too, and their times would agree only by chance. Contacts that do not
-    press from t = 0 on have no names.
+    press from t = 0 on have no names. If both rods have whole round trips, the fewer
+    ones name the time; c has the number of the rod if uniform rods differ in material.
     """
     system = solution.system
     max_trips = MAX_NAMED_TRIPS

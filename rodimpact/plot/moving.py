@@ -522,7 +522,8 @@ def _draw_forces(ax: Axes, solution: Solution) -> None:
     """Draw the forces of the first `MAX_CONTACTS` contacts that can open, on an Axes.
 
     Time runs upward: the Axes stands to the right of the space-time diagram and shares
-    its axis of time. A legend names several contacts.
+    its axis of time. A legend names several contacts, and says how many there are if
+    some are left out.
     """
     contacts = solution.outcome.unilateral
     limits = ax.get_ylim()  # limits of the diagram, which drawing would change

@@ -255,7 +255,8 @@ def field_scale(
     """Scale of a field of `FIELDS`, for values up to `largest`, SI.
 
     A dimensionless scale divides by the closing speed v0 and by numbers of the first
-    rod: c, rho, length and area. `largest` does not matter then.
+    rod: its length, and c, rho and largest area of its first segment. `largest` does
+    not matter then.
 
     Raises
     ------
