@@ -152,7 +152,8 @@ class StrikerSearch(NamedTuple):
 
         They stay within the bounds. With the contact bonded, the last force of the
         segments so far is F0 if their far end absorbs, and F1 if it is free. For the
-        wanted force F the next step of area must reflect r = (F - F0)/(F1 - F0).
+        wanted force F the next step of area must reflect r = (F - F0)/(F1 - F0). It
+        reflects nothing if F1 = F0, and never all of a wave.
         """
         first_force = force[:1]
         logarithms = self.matched(first_force)  # the first segment alone

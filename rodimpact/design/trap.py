@@ -210,7 +210,7 @@ class _TrappedRow(NamedTuple):
     def with_length(self, length: float) -> System:
         """The row with a trap of this length, m, and of the bar's impedance rho A c.
 
-        The trap lies behind the gap and pushes only.
+        The trap lies behind the gap and pushes only. A negative gap counts as 0.
         """
         impedance = float(self.bar.segments[-1].impedance)
         material = self.material

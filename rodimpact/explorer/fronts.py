@@ -68,9 +68,9 @@ def run_to_end(request: Any, run_past_proof: bool, run: PageRun) -> PageRun:
     """Run a collision to its given end, or to its proof of finality; return `run`.
 
     The records of `run` are changed. Without a given end, that is if `until` of the
-    request is negative, the clock first counts
-    `FIRST_HORIZON_SHARE` of its longest horizon. A run that outlasts its clock begins
-    again on one that counts four times as far, up to the whole horizon.
+    request is negative, the clock first counts `FIRST_HORIZON_SHARE` of its longest
+    horizon. A run that outlasts its clock begins again on one that counts four times as
+    far, up to the whole horizon.
 
     Parameters
     ----------

@@ -159,7 +159,8 @@ def layout_of_row(system: Any, facts: Any) -> Any:
     dict
         ``mass_width``, the width of a mass, m; ``offsets`` of the bodies, m;
         ``magnification``; the velocity ``frame``, m/s, that of the slowest body if the
-        row drifts, else 0; and ``notes`` in words on these two.
+        row drifts, else 0; and ``notes`` in words on these two, "true to scale" for the
+        magnification 1.
     """
     length = 0.0  # of all rods, m
     for body in facts["bodies"]:

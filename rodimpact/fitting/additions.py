@@ -43,7 +43,8 @@ def with_additions(base: Trial, trials: Sequence[Trial]) -> Fit:
     """Copy of the fit of `base`, with the fits of the trials as its `additions`.
 
     The field `misfit_left_out` of all fits is set, and `earns_its_place` of each
-    addition.
+    addition: whether the squares left out fall by more than the standard error of this
+    fall, which follows from the falls of the blocks.
     """
     blocks = _blocks(base.objective.measured, division=0)
     base_squares = _squares_left_out(base)
@@ -74,7 +75,7 @@ def _squares_left_out(trial: Trial) -> Floats:
 
     The mean is taken over the divisions. Each division leaves out every second block,
     then the other blocks instead. A linear fit of the remaining blocks predicts the
-    residuals in the blocks left out.
+    residuals in the blocks left out. In this fit, numbers at their bounds stay there.
     """
     objective = trial.objective
     free = objective.is_free

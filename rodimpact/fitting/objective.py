@@ -258,7 +258,7 @@ class Objective:
         """Point with the best shifts and gains for given shares.
 
         Blurs are as small as their bounds allow. A shift that several records have in
-        common starts from the best shift of one of them.
+        common starts from the best shift of one of them, the one with the least misfit.
         """
         point = self.point_at(shares)
         curves = self._curves(signals, point)
