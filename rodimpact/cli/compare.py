@@ -179,7 +179,10 @@ def _compare(
 
 
 def _prediction(args: Arguments, solution: Solution, position: GaugePosition) -> Signal:
-    """Strain at a gauge, or at the distance --carried farther along its bar."""
+    """Strain at a gauge, or at the distance --carried farther along its bar.
+
+    A carried strain is dispersed, and extended by a quarter of the run at both ends.
+    """
     signal = solution.gauge(position.body, position.x).signal()
     if args.carried is None:
         return signal

@@ -232,7 +232,7 @@ class Objective:
         return np.asarray(self._predictions(curves, point) - self._recorded)
 
     def _signals_at(self, shares: Floats) -> list[Signal]:
-        """Prediction of each record before shift, gain and blur.
+        """Prediction of each record before blur, shift, gain, offset and trend.
 
         The last few are stored, since a search returns to the same shares after each
         derivative.

@@ -238,6 +238,7 @@ def choose_layout(
 
     The magnification is 1, 2 or 5 times a power of ten, see `magnified`. The frame
     moves only if the row drifts much farther than its bodies move against each other.
+    A row without rods has the length by which its masses move, or 1 m if none moves.
 
     Parameters
     ----------
@@ -265,7 +266,8 @@ def choose_layout(
     times = np.linspace(start, stop, TIMES_OF_MOTION)
     displacements = _motion_of_ends(solution, initial_offsets, times)
     reference_velocity = _reference_velocity(solution)
-    # Range of all displacements, m: in the frame of the reference velocity, and at rest
+    # Range of all displacements, m, in the frame of the reference velocity and in that
+    # at rest
     relative_reach = float(np.ptp(displacements - reference_velocity * times))
     reach = float(np.ptp(displacements))
 
