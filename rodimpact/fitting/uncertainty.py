@@ -92,7 +92,8 @@ def power_spectrum(correlation: Floats) -> Floats:
     first_zero = int(np.argmax(correlation <= 0))
     if first_zero == 0:  # argmax found no zero
         first_zero = n
-    # Entry k is the autocovariance at lag k, entry 2 n - k that at lag -k.
+    # Entry k is the autocovariance at lag k, entry 2 n - k that at lag -k: the lags
+    # first_zero - 1, ..., 1 in falling order are at the end. Lag 0 is there once.
     symmetric = np.zeros(2 * n)
     symmetric[:first_zero] = correlation[:first_zero]
     symmetric[2 * n - first_zero + 1 :] = correlation[first_zero - 1 : 0 : -1]

@@ -40,7 +40,8 @@ def jumps(values: Floats) -> NDArray[np.bool_]:
     from NaN is no jump.
     """
     steps = np.abs(np.diff(values, axis=0))
-    # Medians along the first axis only: each column of a map has its own.
+    # Medians along the first axis only: each column of a map has its own. A curve has
+    # one axis, and takes the first number alone.
     window = (JUMP_NEIGHBOURS, 1)[: values.ndim]
     usual = median_filter(np.nan_to_num(steps), window)
     least = MIN_JUMP * (np.nanmax(values) - np.nanmin(values))
