@@ -26,7 +26,7 @@ from ..methods.record_lists import blank
 from ..methods.row_builder import build_row
 from ..methods.scales import smallest
 from ..methods.states import Stop
-from ..methods.status import RunEnd, rounding, strain_warning
+from ..methods.status import RunEnd, rounding_sentence, strain_warning
 from ..results.front_polygons import count_of_regions, polygons_of, wave_of
 from ..theory import pair_numbers, pair_restitution
 from ..units import format_si
@@ -351,7 +351,7 @@ def status_of(run: PageRun) -> str:
     # With the waves a and b the strain is (b - a)/(2 c): at most the largest wave over
     # the least c.
     strain = record.max_wave / smallest(wave_speeds)
-    remarks = rounding(error, path) + strain_warning(strain)
+    remarks = rounding_sentence(error, path) + strain_warning(strain)
     decaying = faint_sentence(record, contacts, row.system)
     return why_ended(run).statement + remarks + decaying
 

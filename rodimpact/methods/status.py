@@ -154,7 +154,7 @@ def proof_sentence(has_pressed: bool, t_final: float) -> str:
     return f"The collision is final: {reason}."
 
 
-def rounding(error: float, path: str) -> str:
+def rounding_sentence(error: float, path: str) -> str:
     """Sentence on the rounding of transit times by the clock; "" up to `ROUNDED`.
 
     `error` is the largest relative change of a transit time, and `path` the path of its

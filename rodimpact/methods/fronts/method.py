@@ -8,7 +8,7 @@ from .. import abilities as physics
 from .. import run as runs
 from ..row import Row
 from ..run import Run
-from ..status import rounding, strain_warning, with_advice
+from ..status import rounding_sentence, strain_warning, with_advice
 from . import driver
 from .accuracy import (
     NO_ERRORS,
@@ -139,7 +139,7 @@ def status_of(
     # abs(b - a)/(2 c) is at most the largest wave over c.
     max_strain = finished.run.max_wave / slowest
     status = with_advice(run_end)
-    status += rounding(clock.transit_error, clock.worst_path)
+    status += rounding_sentence(clock.transit_error, clock.worst_path)
     status += strain_warning(max_strain)
     status += accuracy_sentence(rounding_errors)
     return status + faint_sentence(finished.run, finished.contacts, clock.system)

@@ -31,7 +31,7 @@ from ..run import ContactTally, Run
 from ..scales import beyond_scales, check_scales
 from ..signals import Pieces
 from ..states import Stop
-from ..status import rounding, strain_warning, with_advice
+from ..status import rounding_sentence, strain_warning, with_advice
 from . import totals
 from .accuracy import (
     COARSER,
@@ -277,7 +277,7 @@ def _doubts(clock: Clock, run: Any, log: Any, end_tick: int) -> str:
     """
     text = totals.simplifications_text(run)
     text += _struck_together(clock.row)
-    text += rounding(clock.transit_error, clock.worst_path)
+    text += rounding_sentence(clock.transit_error, clock.worst_path)
     return text + strain_warning(_largest_strain(clock, log, end_tick))
 
 
