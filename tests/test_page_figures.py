@@ -90,16 +90,17 @@ def test_committed_figures_are_those_of_their_cells(part, tmp_path, monkeypatch)
 
 
 def assert_show_the_same(drawn, committed):
-    """Assert that two figures show the same, up to what versions of libraries draw
-    differently.
+    """Assert that the `Parts` of two figures are the same: title, words, numbers to 1 %,
+    and positions of texts and extents of paths to LAYOUT_TOLERANCE, since versions of
+    libraries draw differently.
     """
-    name = committed.title
+    title = committed.title
     assert drawn.title
     assert drawn.title == committed.title
-    assert drawn.words == committed.words, name
+    assert drawn.words == committed.words, title
     near_numbers = pytest.approx(committed.numbers, rel=0.01, abs=1e-9)
-    assert drawn.numbers == near_numbers, name
+    assert drawn.numbers == near_numbers, title
     near_places = pytest.approx(committed.places, abs=LAYOUT_TOLERANCE)
-    assert drawn.places == near_places, name
+    assert drawn.places == near_places, title
     near_extents = pytest.approx(committed.extents, abs=LAYOUT_TOLERANCE)
-    assert drawn.extents == near_extents, name
+    assert drawn.extents == near_extents, title

@@ -55,7 +55,7 @@ class Terminal(io.StringIO):
         return ["".join(line).rstrip() for line in lines]
 
 
-def watched(monkeypatch):
+def terminal_with_bars_at_once(monkeypatch):
     """A terminal that replaces standard error, and on which progress bars appear and
     are redrawn at once. It is no fixture: pytest sets its own standard error just
     before it calls a test.
@@ -73,7 +73,7 @@ def test_a_bar_tells_the_call_how_much_and_how_fast_and_leaves_an_empty_line(
     """After 10 of 50 collisions, the bar has the name of the call, 20 %, 10/50 and a
     rate; afterwards the line is empty.
     """
-    terminal = watched(monkeypatch)
+    terminal = terminal_with_bars_at_once(monkeypatch)
     with Progress(progress=True, name="sweep", unit="collisions") as report:
         report(0, 50)
         report(10, 50)
@@ -86,7 +86,7 @@ def test_a_bar_tells_the_call_how_much_and_how_fast_and_leaves_an_empty_line(
 
 def test_a_call_of_less_than_two_seconds_shows_nothing(monkeypatch):
     """50 reports within 2 s write nothing to the terminal."""
-    terminal = watched(monkeypatch)
+    terminal = terminal_with_bars_at_once(monkeypatch)
     monkeypatch.setattr(progress, "APPEARS_AFTER", 2.0)
     with Progress(progress=True, name="sweep", unit="collisions") as report:
         for i in range(50):
@@ -98,7 +98,7 @@ def test_two_seconds_count_from_the_start_of_the_call(monkeypatch):
     """The delay of the bar is 2 s: it does not appear 1 s after the start of the call,
     and does 2.1 s after it.
     """
-    terminal = watched(monkeypatch)
+    terminal = terminal_with_bars_at_once(monkeypatch)
     monkeypatch.setattr(progress, "APPEARS_AFTER", 2.0)
     with Progress(progress=True, name="sweep", unit="collisions") as report:
         progress._outermost._began -= 1.0  # as if a second had passed
@@ -111,7 +111,7 @@ def test_two_seconds_count_from_the_start_of_the_call(monkeypatch):
 
 def test_members_from_a_checkpoint_do_not_count_for_the_time_that_remains(monkeypatch):
     """After 900 that were read, 10 members took 10 s: 90 take 90 s."""
-    terminal = watched(monkeypatch)
+    terminal = terminal_with_bars_at_once(monkeypatch)
     monkeypatch.setattr(progress, "APPEARS_AFTER", 2.0)
     with Progress(progress=True, name="sweep", unit="collisions") as report:
         report(900, 1000)
@@ -126,7 +126,7 @@ def test_members_from_a_checkpoint_do_not_count_for_the_time_that_remains(monkey
 
 def test_where_nobody_knows_the_total_the_bar_counts(monkeypatch):
     """With None as total, the bar counts the steps, also in thousands."""
-    terminal = watched(monkeypatch)
+    terminal = terminal_with_bars_at_once(monkeypatch)
     with Progress(progress=True, name="formula", unit="steps") as report:
         report(1, total=None)
         assert terminal.lines()[0].startswith("formula: 1 steps [00:00, ")
@@ -136,7 +136,7 @@ def test_where_nobody_knows_the_total_the_bar_counts(monkeypatch):
 
 def test_a_total_that_was_too_low_is_raised_to_what_is_done(monkeypatch):
     """A report of 120 of 100 shows 120/120."""
-    terminal = watched(monkeypatch)
+    terminal = terminal_with_bars_at_once(monkeypatch)
     with Progress(progress=True, name="solve", unit="events") as report:
         report(90, 100)
         report(120, 100)
@@ -145,7 +145,7 @@ def test_a_total_that_was_too_low_is_raised_to_what_is_done(monkeypatch):
 
 def test_a_finer_mesh_begins_anew(monkeypatch):
     """A report of 10 of 200 after 100 of 100 shows 5 %, without a negative rate."""
-    terminal = watched(monkeypatch)
+    terminal = terminal_with_bars_at_once(monkeypatch)
     with Progress(progress=True, name="solve", unit="steps") as report:
         report(100, 100)
         report(10, 200)
@@ -165,7 +165,7 @@ def test_nothing_appears_where_standard_error_is_no_terminal(monkeypatch):
 
 
 def test_nothing_appears_in_worker_processes(monkeypatch):
-    terminal = watched(monkeypatch)
+    terminal = terminal_with_bars_at_once(monkeypatch)
     monkeypatch.setattr("multiprocessing.process.parent_process", lambda: object())
     with Progress(progress=True, name="sweep", unit="collisions") as report:
         report(1, 50)
@@ -176,7 +176,7 @@ def test_nothing_appears_in_worker_threads_where_functions_are_called(monkeypatc
     """In another thread, progress=True shows no bar, and a function given as progress
     is called.
     """
-    terminal = watched(monkeypatch)
+    terminal = terminal_with_bars_at_once(monkeypatch)
     heard = []
 
     def work(wanted):
@@ -195,7 +195,7 @@ def test_only_the_outermost_call_has_a_bar(monkeypatch):
     """A sweep inside a fit: only the bar of the fit appears, and its line is empty
     afterwards.
     """
-    terminal = watched(monkeypatch)
+    terminal = terminal_with_bars_at_once(monkeypatch)
     with Progress(progress=True, name="fit", unit="collisions") as outer:
         outer(1, 10)
         with Progress(progress=True, name="sweep", unit="collisions") as inner:
@@ -208,7 +208,7 @@ def test_only_the_outermost_call_has_a_bar(monkeypatch):
 
 def test_a_call_inside_one_of_its_own_name_reports_to_the_bar_of_that(monkeypatch):
     """A fit runs fits inside."""
-    terminal = watched(monkeypatch)
+    terminal = terminal_with_bars_at_once(monkeypatch)
     with Progress(progress=True, name="fit", unit="collisions") as outer:
         outer(1, 10)
         with Progress(progress=True, name="fit", unit="collisions") as inner:
@@ -217,7 +217,7 @@ def test_a_call_inside_one_of_its_own_name_reports_to_the_bar_of_that(monkeypatc
 
 
 def test_a_call_after_another_has_a_bar_of_its_own(monkeypatch):
-    terminal = watched(monkeypatch)
+    terminal = terminal_with_bars_at_once(monkeypatch)
     with Progress(progress=True, name="fit", unit="collisions") as first:
         first(1, 10)
     with Progress(progress=True, name="sweep", unit="collisions") as second:
@@ -227,7 +227,7 @@ def test_a_call_after_another_has_a_bar_of_its_own(monkeypatch):
 
 @pytest.mark.parametrize("wanted", [False, lambda done, total: None])
 def test_calls_inside_a_silent_call_are_silent(monkeypatch, wanted):
-    terminal = watched(monkeypatch)
+    terminal = terminal_with_bars_at_once(monkeypatch)
     with Progress(wanted, "fit", "collisions") as outer:
         outer(1, 10)
         with Progress(progress=True, name="sweep", unit="collisions") as inner:
@@ -238,9 +238,9 @@ def test_calls_inside_a_silent_call_are_silent(monkeypatch, wanted):
 @pytest.mark.parametrize("error", [ValueError, KeyboardInterrupt])
 def test_an_error_takes_the_bar_away(monkeypatch, error):
     """An error is raised while a bar is shown: the line of the terminal is empty
-    afterwards, and warnings are shown as before.
+    afterwards, warnings are shown as before, and no bar counts as shown.
     """
-    terminal = watched(monkeypatch)
+    terminal = terminal_with_bars_at_once(monkeypatch)
     before = warnings.showwarning
 
     def work():
@@ -259,7 +259,7 @@ def test_warnings_and_messages_stand_above_the_bar(monkeypatch):
     """A warning and a message are written while a bar is shown: each has a line of its
     own above it, and the bar is drawn once.
     """
-    terminal = watched(monkeypatch)
+    terminal = terminal_with_bars_at_once(monkeypatch)
 
     def show(message, *_):
         sys.stderr.write(f"{message}\n")
@@ -284,7 +284,7 @@ def test_warnings_that_are_recorded_stay_recorded(monkeypatch):
     """A warning while a bar is shown, inside `pytest.warns`, is recorded there and not
     written to the terminal.
     """
-    terminal = watched(monkeypatch)
+    terminal = terminal_with_bars_at_once(monkeypatch)
 
     def work():
         with Progress(progress=True, name="sweep", unit="collisions") as report:
@@ -298,7 +298,7 @@ def test_warnings_that_are_recorded_stay_recorded(monkeypatch):
 
 def test_compiling_is_told_above_the_bar(monkeypatch):
     """The message on compiling, while a bar is shown, has a line of its own above it."""
-    terminal = watched(monkeypatch)
+    terminal = terminal_with_bars_at_once(monkeypatch)
     kernels._tell.cache_clear()
     with Progress(progress=True, name="sweep", unit="collisions") as report:
         report(10, 50)
@@ -310,7 +310,7 @@ def test_compiling_is_told_above_the_bar(monkeypatch):
 
 def test_a_bar_of_the_user_stays_above_ours(monkeypatch):
     """A bar of tqdm around a sweep ends at 100 % in the first line; our line is empty."""
-    terminal = watched(monkeypatch)
+    terminal = terminal_with_bars_at_once(monkeypatch)
     from tqdm import tqdm
 
     for _ in tqdm(range(2), desc="mine", file=sys.stderr):
@@ -322,7 +322,7 @@ def test_a_bar_of_the_user_stays_above_ours(monkeypatch):
 
 def test_a_sweep_shows_a_bar_and_a_solve_inside_does_not(monkeypatch):
     """A sweep shows its own bar only; `solve` called alone shows one."""
-    terminal = watched(monkeypatch)
+    terminal = terminal_with_bars_at_once(monkeypatch)
     lengths = np.array([0.4, 0.5])
     family = ri.System([rod(lengths, 1.0), rod(1.0)])
 

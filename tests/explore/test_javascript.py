@@ -446,13 +446,17 @@ def plain(value):
 
 
 def assert_alike(page, python, path=""):
-    """The answer of the page has all entries of that of Python: equal texts, and
-    numbers equal to 1e-7.
+    """Assert that the answer of the page has all entries of that of Python.
+
+    Floats are equal to 1e-7 and an absolute tolerance, 1e-9 for one alone and 1e-8 of
+    the largest in a list; texts, flags, whole numbers and None are equal. `path` is
+    that of an entry in the answer, for messages.
     """
     if isinstance(python, dict):
         assert set(page) >= set(python), path
         for key, value in python.items():
             assert_alike(page[key], value, f"{path}.{key}")
+    # A list that begins with a float has floats only.
     elif isinstance(python, list) and python and isinstance(python[0], float):
         scale = max(map(abs, python))
         np.testing.assert_allclose(
@@ -462,7 +466,7 @@ def assert_alike(page, python, path=""):
         assert len(page) == len(python), path
         for i, entry in enumerate(python):
             assert_alike(page[i], entry, f"{path}.{i}")
-    elif isinstance(python, float) and not isinstance(python, bool):
+    elif isinstance(python, float):
         assert page == pytest.approx(python, rel=1e-7, abs=1e-9), path
     else:
         assert page == python, path

@@ -167,8 +167,8 @@ def test_numbers_of_the_reason_are_those_of_the_solution(seed):
 
 @pytest.mark.exhaustive
 def test_the_weak_tail_of_a_stiff_contact_is_told_from_its_impulse():
-    """Nearly flat ends press weakly until they open; the impulse came with the first
-    wave.
+    """Nearly flat ends press weakly until they open, and the sentence tells that 99 % of
+    the impulse came with the first wave; between rounder ends it tells nothing of it.
     """
     bodies = [rod(0.4, 2.0), rod(1.0)]
     flat = ri.System(bodies, contacts=[ri.Hertz(3e12)])
@@ -177,8 +177,11 @@ def test_the_weak_tail_of_a_stiff_contact_is_told_from_its_impulse():
     _, scene_of_flat = shown(flat)
     _, scene_of_round = shown(round_ends)
 
-    sentence, _ = scene_of_flat["reason"]
-    match = re.search(r"99 % of the impulse came in the first ([\d.]+) µs", sentence)
+    sentence_of_flat, _ = scene_of_flat["reason"]
+    sentence_of_round, _ = scene_of_round["reason"]
+    match = re.search(
+        r"99 % of the impulse came in the first ([\d.]+) µs", sentence_of_flat
+    )
     first_wave = 1e6 * 2 * bodies[0].transit_time  # us
     assert float(match[1]) == pytest.approx(first_wave, rel=0.02)
-    assert "came in" not in scene_of_round["reason"][0]
+    assert "came in" not in sentence_of_round

@@ -318,7 +318,8 @@ LAWS = {  # law, and its force for the compression p and the closing speed w
 def force_on_bar(force, compression, velocity, Z):
     """Force F on a bar of impedance Z, whose end moves with F/Z: F = force(x, V - F/Z).
 
-    By bisection: the right side decreases with F.
+    By bisection from 0 N: the right side decreases with F. A force that would pull
+    is 0.
     """
     low = 0.0
     high = 1e3  # N, more than any force here
@@ -333,10 +334,11 @@ def force_on_bar(force, compression, velocity, Z):
 
 
 def impulse_on_endless_bar(force, M, Z, duration):
-    """Impulse of a mass M at unit velocity through a law on a bar of impedance Z, N s.
+    """Impulse of a mass M at unit velocity through a law on a bar of impedance Z, N s,
+    until they part, or for `duration`, s.
 
     The end of the bar moves with F/Z, as a dashpot would. The law is given by its
-    `force` for a compression and a closing speed.
+    `force` for a compression and a closing speed; it does not pull.
     """
 
     def rates(_, state):
@@ -349,7 +351,8 @@ def impulse_on_endless_bar(force, M, Z, duration):
         return [rate, -F / M, F]
 
     def parting(_, state):
-        return state[0] + 1e-12  # just below 0, where the motion does not begin
+        # The motion begins at a compression of about 0, which must not end it.
+        return state[0] + 1e-12
 
     parting.terminal = True
     parting.direction = -1

@@ -192,30 +192,36 @@ def has_waves(parts, system, group):
     return n_states > 1 and not is_uniform
 
 
-def stretched(velocity, strain):
-    """A stepped rod with this velocity, m/s, and strain."""
+def strained(velocity, strain):
+    """A stepped rod with this uniform velocity, m/s, and strain."""
     thin = ri.Segment(1.0, area=1.0, material=M)
     thick = ri.Segment(0.7, area=2.0, material=M)
     return ri.Rod(segments=[thin, thick], velocity=velocity, strain=strain)
 
 
-def test_the_proof_waits_until_the_mean_gap_is_beyond_the_swing_of_both_ends():
-    """Two stretched stepped rods drift apart: it is proved when their mean gap, which
-    grows by the drift, is as large as the reach of both ends.
+def test_the_proof_waits_until_the_mean_gap_is_beyond_the_reach_of_both_ends():
+    """A stretched and a compressed stepped rod drift apart. The tick that is foreseen at
+    the start for the proof is that at which their mean gap, which grows by the drift,
+    is as large as the bound on the deviations of both ends.
     """
     gap = 0.001
     drift = 1e-3
-    rods = [stretched(0.0, 0.02), stretched(drift, -0.01)]
+    rods = [
+        strained(velocity=0.0, strain=0.02),
+        strained(velocity=drift, strain=-0.01),
+    ]
     system = ri.System(rods, gaps=[gap])
     run = tracked(system, until=0.0)
     solution = solution_of(run, until=0.0)
     parts_of_left = parts_of(solution, [0])
     left = expected_sway(parts_of_left, wall_velocity=None)
-    parts_to_gap = parts_of(solution, [1])[::-1]  # its left end is at the gap
+    # The sway is that of the end of the last part, which is the left end here.
+    parts_to_gap = parts_of(solution, [1])[::-1]
     right = expected_sway(parts_to_gap, wall_velocity=None)
     # A deviation towards the gap narrows it, so the mean gap is wider by it.
     mean_gap = gap + left.deviation + right.deviation
-    # sqrt(a) + sqrt(b) <= sqrt(2 (a + b))
+    # The proof takes the root of twice the sum of both squared bounds, which is at
+    # least the sum of the bounds.
     sum_of_squares = left.squared_bound + right.squared_bound
     reach = np.sqrt(2 * sum_of_squares)
 
@@ -223,6 +229,7 @@ def test_the_proof_waits_until_the_mean_gap_is_beyond_the_swing_of_both_ends():
 
     wait = (reach - mean_gap) / drift
     proof_time = proof_tick * run.clock.tick
+    # The proof waits 1e-6 longer, so that it succeeds then.
     assert proof_time == pytest.approx(wait, rel=2e-6)
 
 

@@ -37,9 +37,13 @@ def stepped_rod(rng, velocity, n=3):
 
 
 def parts_at_start(system):
-    """The parts of a row at t = 0, as the proof finds them."""
+    """Records GROUP_PART of all parts of a row at t = 0, with the motion that
+    `update_groups` gives them. Nothing runs.
+    """
+    # The motion at t = 0 does not depend on these options.
     request = RunRequest(until=8.0, tolerance=1e-8, max_steps=10**6, keeps_history=True)
     members = Members(build_row(system), request)
+    # Records as lists of plain Python, into which the only member is loaded
     members.batch.to_lists()
     members.load()
     state = members.batch.state

@@ -988,8 +988,8 @@ def test_an_area_of_a_single_step_makes_a_uniform_rod():
 
 
 def test_steps_of_the_area_make_a_stepped_rod():
-    """Three areas with steps at 0.25 and 0.5 m make segments of these lengths and
-    areas; the velocity is a function of x along the whole rod.
+    """Three areas with steps at 0.25 and 0.5 m make segments of 0.25, 0.25 and 0.5 m
+    with these areas; x of the velocity runs along the whole rod, not each segment.
     """
     area = ri.Steps([1e-4, 2e-4, 3e-4], [0.25, 0.5])
     stepped = rod(area=area, velocity=lambda x: x)

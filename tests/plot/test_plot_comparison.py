@@ -161,8 +161,8 @@ BY_FRONTS = solved_rods()
 BY_CHARACTERISTICS = solved_rods(contacts=[ri.Spring(1e8)])
 
 
-def stations(solution, across):
-    """Space-time diagram with two gauges, ten times magnified."""
+def diagram_with_gauges(solution, across):
+    """Space-time diagram with two gauges and displacements magnified ten times."""
     gauges = {"incident": solution.gauge(1, 0.5), "struck end": solution.gauge(1, 0.0)}
     return plot.spacetime(
         solution, gauges=gauges, across=across, magnification=10.0, coordinates="lab"
@@ -171,7 +171,7 @@ def stations(solution, across):
 
 @pytest.mark.parametrize("across", few_of([False, True], [True]))
 def test_stations_are_named(across):
-    picture = stations(BY_FRONTS, across)
+    picture = diagram_with_gauges(BY_FRONTS, across)
 
     expected = {"incident", "struck end"}
     labels = {line.get_label() for line in picture.gauges}
@@ -192,14 +192,14 @@ def assert_moves_with_its_rod(x_drawn, time_us, solution, start):
 
 
 def test_stations_move_with_their_rod():
-    incident, _ = stations(BY_FRONTS, across=False).gauges
+    incident, _ = diagram_with_gauges(BY_FRONTS, across=False).gauges
 
     x_drawn, time = incident.get_data()
     assert_moves_with_its_rod(x_drawn, time, BY_FRONTS, start=0.8)
 
 
 def test_stations_move_with_their_rod_where_time_runs_across():
-    incident, _ = stations(BY_FRONTS, across=True).gauges
+    incident, _ = diagram_with_gauges(BY_FRONTS, across=True).gauges
 
     time, x_drawn = incident.get_data()
     assert_moves_with_its_rod(x_drawn, time, BY_FRONTS, start=0.8)
@@ -208,7 +208,7 @@ def test_stations_move_with_their_rod_where_time_runs_across():
 @pytest.mark.exhaustive
 def test_stations_beyond_a_spring_begin_behind_it():
     """The spring is drawn between the rods, less than 0.1 m wide."""
-    incident, _ = stations(BY_CHARACTERISTICS, across=False).gauges
+    incident, _ = diagram_with_gauges(BY_CHARACTERISTICS, across=False).gauges
 
     x_drawn, time = incident.get_data()
     start, *_ = x_drawn

@@ -262,7 +262,7 @@ def assert_on_its_side(upright, across):
 @pytest.mark.parametrize("name", few_of(SYSTEMS, {"drifting"}))
 def test_time_across_is_the_same_picture_on_its_side(solved, name):
     """A diagram with time across has the regions, lines, walls, labels and limits of
-    the upright one with x and y exchanged.
+    time of the upright one with x and y exchanged.
     """
     upright = plot.spacetime(solved[name], axes(), "stress", across=False)
     across = plot.spacetime(solved[name], axes(), "stress", across=True)
@@ -275,13 +275,13 @@ def test_time_across_is_the_same_picture_on_its_side(solved, name):
     upright_walls = [wall.get_xy() for wall in upright.walls]
     walls_across = [wall.get_xy() for wall in across.walls]
     assert_on_its_side(upright_walls, walls_across)
-    ax = across.ax
+    across_ax = across.ax
     upright_ax = upright.ax
-    assert ax.get_xlabel() == upright_ax.get_ylabel()
+    assert across_ax.get_xlabel() == upright_ax.get_ylabel()
     # Labels are broken into lines at other words.
-    words = ax.get_ylabel().split()
+    words = across_ax.get_ylabel().split()
     assert words == upright_ax.get_xlabel().split()
-    assert ax.get_xlim() == pytest.approx(upright_ax.get_ylim())
+    assert across_ax.get_xlim() == pytest.approx(upright_ax.get_ylim())
 
 
 @some_rows

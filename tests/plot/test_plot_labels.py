@@ -296,17 +296,21 @@ def test_captions_of_a_contact_hide_the_lines_behind_them_and_stay_inside(
         assert box.x1 < ax.bbox.x1 + 2  # pixels
 
 
-def test_the_last_mark_of_the_law_is_whole():
-    """The frame does not cut the circle at (1, 1): its right half has ink."""
-    picture = plot.restitution([0.5, 1.0], [0.5, 1.0])
+def test_the_last_circle_of_computed_restitutions_is_whole():
+    """The frame does not cut the circle of the computed e = 1 at l1/l2 = 1, at the
+    edge of the diagram: its right half has ink.
+    """
+    ratios = [0.5, 1.0]
+    picture = plot.restitution(ratios, values=ratios)
     canvas = FigureCanvasAgg(picture.ax.figure)
 
     canvas.draw()
 
     x, y = picture.ax.transData.transform((1.0, 1.0)).round().astype(int)
     pixels = np.asarray(canvas.buffer_rgba())[::-1]  # [row from below, column, colour]
+    # The rim is 2 to 5 pixels right of the centre.
     right_half = pixels[y, x + 2 : x + 6, :3]
-    assert right_half.min() < 120  # ink of the circle
+    assert right_half.min() < 120  # darker than the paper, 255
 
 
 @pytest.mark.exhaustive

@@ -121,21 +121,22 @@ def test_a_text_that_is_called_xls_is_read_as_text(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("name", "start"),
+    ("name", "content"),
     [
         ("shot.xlsx", b"PK\x03\x04 no workbook"),
         ("shot.xls", b"\xd0\xcf\x11\xe0 no workbook"),
         ("shot.tdms", b"no such file at all"),
     ],
 )
-def test_damaged_files_are_refused(tmp_path, name, start):
+def test_damaged_files_are_refused(tmp_path, name, content):
     """A file with the ending of a workbook or a TDMS file, but other bytes, is refused
     by its name.
     """
+    # Each of the three kinds is read by another package.
     for package in ("openpyxl", "xlrd", "nptdms"):
         pytest.importorskip(package)
     path = tmp_path / name
-    path.write_bytes(start)
+    path.write_bytes(content)
     message = rf"{name}: is no (workbook|TDMS file) that"
 
     with pytest.raises(FileFormatError, match=message):

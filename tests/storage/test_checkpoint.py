@@ -30,12 +30,12 @@ N_CHUNKS = 2 * ROWS // CHUNK
 GAUGED = {"until": 3e-4, "gauges": [(0, 0.05), (1, 0.5)], "times": [0.0, 1e-4, 2e-4]}
 
 
-def family(rows=ROWS, area=1e-4):
+def family(rows=ROWS, striker_area=1e-4):
     """A family [rows, 2], by the length of the striker, 0.1 to 1 m, and the area of the
-    struck rod; `area` is that of the striker. Not swept.
+    struck rod, 1e-4 or 3e-4 m^2. Not swept.
     """
     lengths = np.linspace(0.1, 1, rows)[:, None]
-    striker = ri.Rod(lengths, area=area, material=STEEL, velocity=1.0)
+    striker = ri.Rod(lengths, area=striker_area, material=STEEL, velocity=1.0)
     struck = ri.Rod(1.0, area=np.array([1e-4, 3e-4]), material=STEEL)
     return ri.System([striker, struck])
 
@@ -251,7 +251,9 @@ def test_a_full_disk_is_an_error_that_loses_nothing(tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     ("system", "change", "differences"),
     [
-        pytest.param(family(area=2e-4), {}, "system", marks=pytest.mark.exhaustive),
+        pytest.param(
+            family(striker_area=2e-4), {}, "system", marks=pytest.mark.exhaustive
+        ),
         (family(31), {}, "system and shape"),
         pytest.param(
             family(), {"max_events": 7}, "max_events", marks=pytest.mark.exhaustive
@@ -360,7 +362,7 @@ def test_a_file_of_another_sweep_among_those_of_this_one_is_refused(
     folder = tmp_path / "run"
     other = tmp_path / "other"
     ri.sweep(family(), workers=1, checkpoint=folder)
-    ri.sweep(family(area=2e-4), workers=1, checkpoint=other)
+    ri.sweep(family(striker_area=2e-4), workers=1, checkpoint=other)
     file_of_other = sorted(other.iterdir())[3]
     shutil.copy(file_of_other, folder / file_of_other.name)
 
