@@ -145,6 +145,7 @@ def test_modules_are_imported_by_name_only_for_the_public_names_and_commands():
 
 
 def test_no_module_bears_the_name_of_a_public_function():
+    """No module of the package is called `solve`, or as another public function."""
     functions = set()
     for name, home in rodimpact._HOME.items():
         if name.islower() and home != ".":

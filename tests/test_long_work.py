@@ -55,6 +55,7 @@ def fit(progress):
 
 
 def design_a_striker(progress):
+    """Design a striker of two segments for a force that grows to 1 kN in 0.1 ms."""
     force = ri.Signal([0.0, 1e3], [0.0, 1e-4], unit="N")
     ri.design.striker(
         force, rod(2.0), velocity=1.0, duration=1e-4, segments=2, progress=progress
@@ -94,6 +95,8 @@ def test_long_work_reports_its_progress(work):
 
 @pytest.mark.parametrize("work", WORK)
 def test_long_work_can_be_stopped_by_an_error_of_its_progress(work):
+    """An error that `progress` raises ends each work in `WORK`, and is raised."""
+
     def stop(done, total):
         raise StopIteration
 

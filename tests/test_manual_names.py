@@ -137,6 +137,9 @@ def attributes_of_objects(text):
 
 @pytest.mark.parametrize("path", each_page(attributes_of_objects))
 def test_attributes_of_objects_exist(path):
+    """An attribute that the manual writes as `variable.name` belongs to the class in
+    `OBJECTS`.
+    """
     variable, name = path.split(".")
     kind = OBJECTS[variable]
     fields = getattr(kind, "__annotations__", {})

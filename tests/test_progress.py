@@ -155,6 +155,7 @@ def test_a_finer_mesh_begins_anew(monkeypatch):
 
 
 def test_nothing_appears_where_standard_error_is_no_terminal(monkeypatch):
+    """No bar is shown if standard error is a stream in memory, or None."""
     silent = io.StringIO()
     monkeypatch.setattr(progress, "APPEARS_AFTER", 0.0)
     for stderr in (silent, None):
@@ -165,6 +166,7 @@ def test_nothing_appears_where_standard_error_is_no_terminal(monkeypatch):
 
 
 def test_nothing_appears_in_worker_processes(monkeypatch):
+    """No bar is shown in a process that has a parent process."""
     terminal = terminal_with_bars_at_once(monkeypatch)
     monkeypatch.setattr("multiprocessing.process.parent_process", lambda: object())
     with Progress(progress=True, name="sweep", unit="collisions") as report:
@@ -227,6 +229,9 @@ def test_a_call_after_another_has_a_bar_of_its_own(monkeypatch):
 
 @pytest.mark.parametrize("wanted", [False, lambda done, total: None])
 def test_calls_inside_a_silent_call_are_silent(monkeypatch, wanted):
+    """No bar is shown for a call inside one whose progress is off or goes to a
+    function.
+    """
     terminal = terminal_with_bars_at_once(monkeypatch)
     with Progress(wanted, "fit", "collisions") as outer:
         outer(1, 10)

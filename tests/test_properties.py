@@ -89,6 +89,9 @@ def test_totals_of_contacts_agree_with_their_signals(seed):
 
 @given(SEEDS)
 def test_velocities_after_are_those_of_the_centres_of_mass(seed):
+    """In a random row, each velocity after is the mean velocity of its body at the end
+    of the run.
+    """
     system = random_system(seed, bonded=False)
     solution = run(system)
     for body, velocity in enumerate(solution.outcome.velocities_after):

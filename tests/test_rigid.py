@@ -91,6 +91,9 @@ def test_velocities_after_have_the_restitution_that_was_given(m1, v1, m2, v2, e)
 
 @given(MASS, VELOCITY, MASS, VELOCITY, RESTITUTION, VELOCITY)
 def test_velocities_after_are_the_same_in_a_moving_frame(m1, v1, m2, v2, e, u):
+    """If u is added to both velocities before a collision, it is added to both after
+    it.
+    """
     assume(v1 - v2 > 1e-3)
     after = rigid.collide(m1, v1, m2, v2, e)
     moving = rigid.collide(m1, v1 + u, m2, v2 + u, e)
@@ -118,6 +121,7 @@ def test_a_collision_is_the_same_in_a_mirror(m1, v1, m2, v2, e):
 
 @given(MASS, VELOCITY, MASS, VELOCITY)
 def test_a_plastic_collision_leaves_one_velocity(m1, v1, m2, v2):
+    """With e = 0 both velocities after are that of the centre of mass."""
     assume(v1 > v2)
     after = rigid.collide(m1, v1, m2, v2, 0.0)
     assert after.velocity_1 == after.centre_of_mass_velocity
@@ -126,6 +130,7 @@ def test_a_plastic_collision_leaves_one_velocity(m1, v1, m2, v2):
 
 @given(MASS, VELOCITY, MASS, VELOCITY)
 def test_a_restitution_of_minus_one_changes_nothing(m1, v1, m2, v2):
+    """With e = -1 both masses keep their velocities, without impulse and loss."""
     assume(v1 > v2)
     after = rigid.collide(m1, v1, m2, v2, -1.0)
     assert after.velocity_1 == pytest.approx(v1, abs=1e-12)

@@ -227,6 +227,7 @@ def test_the_impulse_of_a_pair_is_the_integral_of_its_force(rods, V):
 
 @given(PAIR, POSITIVE)
 def test_it_does_not_matter_which_rod_is_on_the_left(rods, V):
+    """`saint_venant` has the same result if the two rods are exchanged."""
     Z1, T1, Z2, T2 = rods
     pair = theory.saint_venant(Z1, T1, Z2, T2, V)
     exchanged = theory.saint_venant(Z2, T2, Z1, T1, V)

@@ -81,6 +81,9 @@ def test_constructors_take_more_types_than_their_attributes_have() -> None:
 
 
 def test_a_constructor_shows_defaults_and_which_arguments_take_a_position() -> None:
+    """The signature of `RigidMass` has a mass without default, by position or keyword,
+    and a velocity, 0 by default, by keyword only.
+    """
     mass, velocity = inspect.signature(ri.RigidMass).parameters.values()
     assert mass.default is inspect.Parameter.empty
     assert mass.kind is inspect.Parameter.POSITIONAL_OR_KEYWORD

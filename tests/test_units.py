@@ -60,6 +60,9 @@ def test_texts_are_read_exactly_as_floats(text, dimension, value):
 
 @given(st.decimals(allow_nan=False, allow_infinity=False, places=9), st.data())
 def test_the_product_of_number_and_unit_is_rounded_once(number, data):
+    """`units.parse` gives the float next to the exact product of a decimal number and
+    the factor of its unit.
+    """
     dimension = data.draw(st.sampled_from(sorted(units.UNITS)))
     factors = units.UNITS[dimension]  # decimal texts by unit
     unit = data.draw(st.sampled_from(sorted(factors)))
@@ -168,6 +171,9 @@ PREFIXES = {"n": -9, "u": -6, "m": -3, "": 0, "k": 3, "M": 6, "G": 9}
 
 @given(st.floats(1e-8, 1e11), st.sampled_from([-1, 1]), st.sampled_from(PREFIXED))
 def test_what_is_written_has_the_value_to_its_digits(size, sign, unit):
+    """`format_si` writes a size from 1 to 1000 with a prefixed unit, right to six
+    digits.
+    """
     text = units.format_si(sign * size, unit)
     number, prefixed_unit = text.split(" ", 1)
     power = PREFIXES[prefixed_unit.removesuffix(unit)]

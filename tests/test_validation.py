@@ -173,6 +173,9 @@ def test_all_cases_write_the_pages(folder, monkeypatch):
     ],
 )
 def test_help_and_an_unknown_case_run_nothing(folder, capsys, argument, status, words):
+    """With --help or an unknown name, the program prints, stops with a status, runs no
+    case and writes no page.
+    """
     with pytest.raises(SystemExit) as stop:
         program.main([argument])
 
@@ -184,6 +187,9 @@ def test_help_and_an_unknown_case_run_nothing(folder, capsys, argument, status, 
 
 
 def test_a_row_holds_within_its_bound_only():
+    """A `Row` holds if its number differs by less than its bound, but not with a larger
+    difference or NaN.
+    """
     good = table.Row("case", "quantity", "source", 1.0, 1.0 + 1e-13, 1e-12)
     assert good.holds
     assert not good._replace(got=1.1).holds

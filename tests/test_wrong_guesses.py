@@ -255,6 +255,7 @@ def test_a_wrong_guess_in_python_is_answered_by_a_remedy(guess, remedy, names):
 
 @pytest.mark.parametrize(("right", "wrong", "remedy"), CASES)
 def test_a_wrong_entry_of_a_case_is_answered_by_a_remedy(right, wrong, remedy):
+    """A case with one entry replaced by a wrong one is refused with the remedy."""
     assert right in UNEQUAL_RODS
     text = UNEQUAL_RODS.replace(right, wrong, 1)
     with pytest.raises(ri.InvalidModel) as caught:
@@ -361,6 +362,8 @@ def test_private_names_and_those_that_python_asks_for_get_no_hint(names):
 
 
 def test_a_property_that_fails_raises_its_own_error():
+    """`explain_missing` does not replace an AttributeError that a property raises."""
+
     @explain_missing()
     class Broken:
         @property

@@ -125,6 +125,9 @@ def test_a_blow_that_is_cut_short_ends_with_3_and_says_so(output_of):
 def test_a_call_that_cannot_be_read_is_refused_before_the_graph_is_asked_for(
     argv, message, refuses, monkeypatch, tmp_path
 ):
+    """`rodimpact bearing` refuses wrong resistances, a figure of unknown kind and a
+    figure that exists, each by its option, before `bearing_graph` is called.
+    """
     (tmp_path / "case.png").write_text("")
     monkeypatch.setattr(
         command, "bearing_graph", lambda *_, **__: pytest.fail("solved")

@@ -111,6 +111,9 @@ def test_the_comparison_is_drawn(compared, tmp_path):
 
 
 def test_the_table_names_its_numbers(compared):
+    """The table that `rodimpact compare` prints names its signals, the misfit, the
+    shift and the factor.
+    """
     text = compared(*FAR, *EARLY)
 
     for words in ("measured", "predicted", "pulse starts", "misfit, root mean"):
@@ -234,6 +237,9 @@ def test_waves_are_carried_along_a_rod_that_has_a_diameter(compared):
 
 
 def test_waves_are_not_carried_along_a_rod_without_a_diameter(refuses, tmp_path):
+    """`rodimpact compare --carried` refuses a case whose rod is given by its area, and
+    asks for its diameter or for --radius.
+    """
     by_area = CASE.replace("diameter = 0.02", "area = 1e-4")
     (tmp_path / "case.toml").write_text(by_area)
     carried = ["--gauge", "far=1:0.5", "--carried", "0.5"]

@@ -11,6 +11,9 @@ pytest.importorskip("sympy")
 def test_the_formula_of_the_box_has_symbols_and_a_condition_and_is_printed_as_latex(
     case, output_of
 ):
+    """`rodimpact formula` prints e of two rods with the symbol of each length and its
+    condition, and with --latex as LaTeX.
+    """
     text = output_of("formula", str(case), "--symbols", "length")
     latex = output_of("formula", str(case), "--latex")
     for line in ("l1: bodies.0.length", "e = l1/l2", "where l1 < l2"):

@@ -151,6 +151,9 @@ def test_all_scripts_are_inside_the_page_which_loads_them(page):
 
 
 def test_every_script_of_the_package_is_one_of_the_page_or_of_its_frame():
+    """The script files of the explorer, and the translated kernels, are those of the
+    page, its loader, and that of the frame in a notebook.
+    """
     folder = Path(page_files.__file__).parent / "page"
     files = {path.name for path in folder.glob("*.js")}
     made = "kernels.js"  # the translated kernels
@@ -206,6 +209,9 @@ def test_physics_that_the_page_lacks_is_told_before_an_option_that_it_needs():
 
 
 def test_a_page_is_no_figure(case, tmp_path, capsys):
+    """`rodimpact export` to a PDF file is refused with the call that draws a figure; no
+    file is written.
+    """
     assert main(["export", str(case), "-o", "p.pdf"]) == 2
 
     error = capsys.readouterr().err

@@ -20,6 +20,7 @@ def explorer():
 
 
 def test_without_the_extra_a_notebook_shows_the_frame(monkeypatch):
+    """If the module of the widget is missing, a notebook shows the page in a frame."""
     monkeypatch.setitem(sys.modules, "rodimpact.explorer.notebook", None)
     page = ri.explore(PAIR)
     bundle = page._repr_mimebundle_()

@@ -640,6 +640,7 @@ def test_a_spring_keeps_the_faces_apart_and_the_film_begins_before_contact(
 
 @pytest.mark.exhaustive
 def test_a_scene_knows_the_number_of_cells_of_all_its_grids(visit, solved):
+    """The sum of rows times columns of all grids of a scene is its `cellCount`."""
     page = visit(solved(HERTZ))
     assert page.evaluate(
         "page.scene.grids.map((grid) => grid.rows * grid.across)"
@@ -756,6 +757,9 @@ def test_a_guess_is_judged_and_the_replay_begins(visit):
 
 @pytest.mark.exhaustive
 def test_a_verdict_disappears_when_e_changes(visit):
+    """After the guess e = 0.7, the verdict on it is empty as soon as another length
+    of the rod changes e.
+    """
     page = visit()
     guess(page, "0.7")
     verdict = page.locator("#verdict")
@@ -1524,6 +1528,9 @@ def test_a_phone_shows_inputs_and_e_at_once_and_the_reason_below_them(
 
 @pytest.mark.exhaustive
 def test_tools_stand_in_one_row_on_the_narrowest_phone(visit):
+    """At a width of 360 pixels the top edges of all five visible tools are at the same
+    height.
+    """
     page = visit(viewport={"width": 360, "height": 700})
     tops = page.evaluate("""() => [...document.querySelectorAll(".tools > *")]
         .filter((element) => element.getClientRects().length)

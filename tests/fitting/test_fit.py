@@ -683,6 +683,7 @@ def test_another_law_tells_by_how_much_numbers_change():
 
 @pytest.mark.exhaustive
 def test_fits_of_other_numbers_cannot_be_compared():
+    """`against` refuses a fit of the velocity beside one of the length."""
     noisy = measured(record(rods(), 1e-5))
     of_length = fitted(noisy, VARY_LENGTH)
     of_velocity = fitted(noisy, VARY_VELOCITY)
@@ -833,6 +834,7 @@ def test_searches_that_end_elsewhere_are_noted():
 
 
 def test_numbers_with_correlated_errors_are_noted():
+    """A fit of a and b gets one note if the correlation of their errors is 0.99."""
     best = ri.Descent(0.02, {"a": 1.0, "b": 1.0}, complete=True)
     correlated = np.array([[1e-4, 0.99e-4], [0.99e-4, 1e-4]])
     (note,) = notes_of(best, relative_covariance=correlated)

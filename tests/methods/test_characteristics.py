@@ -1005,6 +1005,9 @@ def test_velocities_whose_energy_is_no_number_are_refused(method, velocity):
 @pytest.mark.parametrize("law", [ri.Spring(1e40), ri.Hertz(1e140)])
 @pytest.mark.parametrize("method", ["characteristics", "finite-difference"])
 def test_contacts_as_good_as_rigid_are_refused(law, method):
+    """Both methods refuse a spring and a Hertz contact of extreme stiffness, with
+    `Rigid()` as the remedy.
+    """
     striker = unit_rod(velocity=1.0)
     system = ri.System([striker, unit_rod()], contacts=[law])
     message = r"contacts\.0\.stiffness: .*use Rigid\(\)"

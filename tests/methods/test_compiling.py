@@ -21,6 +21,7 @@ FOLDER = Path(compiling.__file__).parent
 
 
 def test_garbage_is_not_collected_while_compiling_and_again_after_a_failure():
+    """Garbage collection is off inside a call that fails, and on after it."""
     was_enabled = []
     with pytest.raises(RuntimeError, match="not compiled"):
         fail_while_uncollected(was_enabled)
@@ -47,6 +48,9 @@ def test_garbage_that_was_not_collected_before_compiling_is_not_afterwards():
 
 
 def test_kernels_are_optimised_at_their_level_which_is_then_restored():
+    """Inside a call that fails, numba optimises at OPTIMISATION_LEVEL at most; its own
+    level is restored afterwards.
+    """
     config = pytest.importorskip("numba").config
     before = config.OPT
     level_inside = fail_while_optimising()

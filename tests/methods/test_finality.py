@@ -402,6 +402,9 @@ VIBRATING = ri.Rod(1.0, area=1.0, material=M, velocity=OPPOSITE_HALVES)
 
 
 def test_a_vibrating_rod_alone_is_final_at_once():
+    """A rod alone, whose halves move at 1 and -1 m/s, is final at t = 0, and its run
+    has the length of a round trip of waves, 2 s.
+    """
     system = ri.System([VIBRATING])
     solution = ri.solve(system)
     assert solution.stopped_by == "final"
@@ -492,6 +495,7 @@ def test_bodies_that_come_to_rest_together_end_with_their_force(until):
 
 
 def test_bodies_that_are_squeezed_for_ever_have_no_end_of_contact():
+    """A compressed rod between two walls has the final time inf."""
     squeezed = ri.Rod(1.0, area=1.0, material=M, strain=-1e-4)
     system = ri.System([ri.Wall(), squeezed, ri.Wall()])
     solution = ri.solve(system)

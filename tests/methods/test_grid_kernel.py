@@ -57,6 +57,9 @@ def run_and_prove(system, compiling):
 @pytest.mark.skipif(not kernels.enabled(), reason="compiling is disabled")
 @pytest.mark.parametrize("seeds", few_of([range(10), range(10, 25)], [range(10)]))
 def test_compiled_and_plain_runs_and_proofs_are_bit_identical(seeds):
+    """Random rows, every second one with driven ends, have the same bits of a run and
+    the same time of its proof in plain Python and in machine code.
+    """
     for seed in seeds:
         driven = seed % 2 == 1
         system = random_row(seed, driven=driven)

@@ -230,6 +230,9 @@ def test_after_warming_every_run_of_the_process_is_compiled(fresh):
 
 
 def test_short_jobs_never_look_for_numba(fresh):
+    """100 jobs, each of 1/100 of the start of numba, are not worth compiling, and do
+    not look for machine code.
+    """
     for name in ("_fault", "compiled"):
         fresh.setattr(kernels, name, None)  # a call would fail
     for _ in range(100):

@@ -75,6 +75,9 @@ def test_outcomes_of_a_law_of_ones_own_are_those_of_the_law_that_it_repeats(name
 
 
 def test_energy_that_is_stored_is_the_integral_of_the_force():
+    """`stored` of a user's law with the force of a Hertz contact is that of this
+    contact.
+    """
     overlaps = [0.0, 1e-4]
     hertz = ri.Hertz(1e10)
     own_law = ri.Law(power)
@@ -201,6 +204,9 @@ def test_a_solution_with_it_is_refused_by_a_file_and_leaves_none(tmp_path):
 
 
 def test_laws_are_equal_if_their_functions_are_also_after_pickling():
+    """A system with a user's law is equal to itself after pickling, and not to one with
+    another function.
+    """
     system = pair(ri.Law(power))
     other_function, _ = LAWS["spring"]
     pickled = pickle.dumps(system)

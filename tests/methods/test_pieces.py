@@ -104,6 +104,7 @@ def test_the_smallest_value_of_a_series_is_found(seed):
 
 @pytest.mark.parametrize("end", [-1.0, 1.0])
 def test_slopes_at_the_ends_of_a_piece_are_those_of_numpy(end):
+    """`slope_at_end` of a random Chebyshev series is its derivative by numpy there."""
     c = random_series(7)
     derivative = chebyshev.chebder(c)
     expected = chebyshev.chebval(end, derivative)

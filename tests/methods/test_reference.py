@@ -97,6 +97,9 @@ class InitialState:
     """
 
     def __init__(self, rod):
+        """Keep the velocity and the strain of a rod as steps, and in `cuts` the exact
+        positions of both.
+        """
         self.velocity = self.as_steps(rod.velocity)
         self.strain = self.as_steps(rod.strain)
         places = [*self.velocity.at, *self.strain.at]

@@ -162,6 +162,8 @@ def test_a_run_that_is_too_long_ends_the_search():
 
 
 def test_a_first_run_that_is_too_long_is_refused():
+    """`refined` does not catch the TooLong of its first level."""
+
     def run_level(factor):
         raise TooLong([("until", "no room")])
 

@@ -276,6 +276,9 @@ def test_radii_make_a_family():
 
 
 def test_numbers_of_a_material_make_a_family():
+    """A Hertz contact of a material with two moduli and, along another axis, two
+    Poisson's ratios has four stiffnesses.
+    """
     moduli = [1e9, 2e9]
     ratios = [[0.1], [0.2]]
     material = STEEL.replace(youngs_modulus=moduli, poisson_ratio=ratios)

@@ -193,6 +193,9 @@ def test_members_of_a_family_of_speeds_are_those_alone():
 
 
 def test_a_position_is_replaced_by_a_velocity_and_the_reverse():
+    """`replace` of a moved end with a velocity drops its position, and with a position
+    its velocity.
+    """
     end = end_on_corners()
 
     with_velocity = end.replace(value=1.0)

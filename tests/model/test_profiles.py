@@ -311,6 +311,7 @@ def test_a_number_is_scaled_as_a_profile():
 
 
 def test_mirrors_turn_tapers():
+    """The mirror image of a tapered rod has its areas in reverse order."""
     area = ri.Samples([1.0, 2.0, 4.0])
     tapered = ri.System([rod(area=area)])
     image = tapered.mirrored().bodies[0]
@@ -391,6 +392,9 @@ def test_averages_are_integrals_over_widths_and_lie_between_the_extremes(
 
 
 def test_a_number_is_its_own_average():
+    """The means of a uniform profile over two intervals, and both its extremes, are its
+    number.
+    """
     edges = np.array([0.0, 0.1, 0.5])
     means = averages(3.0, edges, length=1.0)
     assert means.tolist() == [3.0, 3.0]

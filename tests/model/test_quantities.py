@@ -349,6 +349,7 @@ def test_every_field_converts_by_the_unit_of_the_quantity(quantity):
 
 @pytest.mark.parametrize("quantity", QUANTITIES)
 def test_every_number_of_the_model_takes_an_array_with_a_unit(quantity):
+    """Each entry of `MODEL` converts the array [3, 2] in its unit to SI units."""
     numbers = np.array([3.0, 2.0])
     for name, (make, unit) in MODEL.items():
         factor, _ = UNITS[unit]
@@ -425,6 +426,7 @@ class Mute:
 
 
 def test_what_has_a_unit_and_does_not_convert_is_refused():
+    """A length and a mass of the class `Mute` are refused by the unit they need."""
     message = "length: must be in a unit that converts to m"
     with pytest.raises(ri.InvalidModel, match=message):
         ri.Rod(Mute(), area=1e-4, material=STEEL)
@@ -571,6 +573,9 @@ TAKERS = {
 @pytest.mark.parametrize("take", TAKERS.values(), ids=TAKERS)
 @pytest.mark.parametrize(("value", "message"), NO_NUMBERS.values(), ids=NO_NUMBERS)
 def test_what_is_no_number_is_refused_wherever_it_is_given(take, value, message):
+    """Each of `TAKERS`, and samples, refuse each value of `NO_NUMBERS`, the former in
+    less than 200 characters.
+    """
     with pytest.raises(ValueError, match=message) as error:
         take(value)
     assert len(str(error.value)) < 200
@@ -645,6 +650,7 @@ def test_every_field_refuses_labelled_and_masked_arrays(make_labels, remedy):
 
 
 def test_labels_are_refused_in_lists_and_lists_of_steps_too():
+    """A list of labelled arrays as a length, and one of them in steps, are refused."""
     message = "length: must be bare numbers, got a Lab"
     with pytest.raises(ri.InvalidModel, match=message):
         ri.Rod([labelled(), labelled()], area=1e-4, material=STEEL)

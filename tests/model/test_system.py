@@ -59,6 +59,7 @@ BAD_NUMBERS = [0.0, -1.0, NAN, float("inf"), True, "1 m", None, 1j, [], {}]
 @pytest.mark.parametrize("value", BAD_NUMBERS)
 @pytest.mark.parametrize("field", ["length", "area"])
 def test_sizes_must_be_positive_numbers(field, value):
+    """A rod with a bad length or area is refused with one message, for this field."""
     messages = problems(lambda: rod(**{field: value}))
 
     assert list(messages) == [field]
@@ -769,6 +770,7 @@ def test_no_film_runs_backwards_where_something_is_lost():
 
 
 def test_no_film_runs_backwards_where_a_contact_yields():
+    """`reversed` refuses a system with a yielding contact, by its path."""
     law = ri.Yielding(stiffness=1.0, yield_force=1.0)
     system = ri.System([rod(), rod()], contacts=[law])
     messages = problems(system.reversed)
@@ -825,6 +827,7 @@ def test_a_mirror_drops_steps_that_lose_their_width(length, profile, mirrored_va
 
 
 def test_a_loss_factor_is_a_viscosity_at_its_frequency():
+    """A material with the loss factor eta at f has the viscosity eta E/(2 pi f)."""
     loss_factor = 0.02
     frequency = 1e3  # Hz
     damped = steel.damped(loss_factor, frequency)
@@ -850,6 +853,9 @@ def tapered_segment():
 
 
 def test_a_taper_runs_from_end_to_end_of_its_segment():
+    """A tapered segment of 0.5 m has the areas of its function at both ends, and the
+    wave speed and transit time of a uniform one.
+    """
     tapered = tapered_segment()
     areas = tapered.area.values
     assert areas[0] == 1e-4
@@ -1037,6 +1043,9 @@ def test_areas_of_steps_make_families():
 
 
 def test_places_of_steps_make_families():
+    """A step of the area at 0.25 and 0.5 m makes a family of two rods, each of two
+    segments.
+    """
     places = np.array([0.25, 0.5])
     area = ri.Steps([1e-4, 2e-4], [places])
     first, second = rod(area=area).segments
@@ -1093,6 +1102,7 @@ def test_a_rod_with_lateral_inertia_survives_its_description(word):
 
 @pytest.mark.parametrize("word", ["rayleigh-love", "mindlin-herrmann"])
 def test_lateral_inertia_can_be_taken_away(word):
+    """A rod whose lateral inertia is replaced by None is equal to one without."""
     thick = rod(area=None, diameter=0.02, lateral_inertia=word)
     bar = thick.replace(lateral_inertia=None)
     (segment,) = bar.segments

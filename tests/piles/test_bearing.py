@@ -232,6 +232,7 @@ def test_soil_that_stops_the_pile_far_below_its_length_is_refused(monkeypatch):
 
 
 def test_a_weak_soil_may_be_struck_for_a_given_time():
+    """A bearing graph until 1 ms has a point whose blow is not over."""
     weak = 200.0  # N
 
     graph = ri.bearing_graph(pipe_pile("smith"), weak, cells=8, until=1e-3)
@@ -250,6 +251,9 @@ def test_a_weak_soil_may_be_struck_for_a_given_time():
 def test_a_blow_without_enough_memory_is_refused_by_an_argument_that_was_given(
     until, message, monkeypatch
 ):
+    """If memory is short, the refusal names `until` if it was given, otherwise
+    `resistances`.
+    """
     monkeypatch.setattr("rodimpact.methods.memory.MAX_BYTES", 1000.0)
 
     with pytest.raises(ri.InvalidModel, match=message):

@@ -104,6 +104,9 @@ def test_figures_magnify_by_the_same_factor_in_the_same_frame(solution, layout):
 
 @pytest.mark.exhaustive
 def test_films_magnify_by_the_same_factor(solution, layout):
+    """The diagram of a film names the scale of displacements that `choose_layout` gives
+    for figures of this solution.
+    """
     film = plot.animation(solution, frames=2)
 
     diagram = film.figure.axes[0]

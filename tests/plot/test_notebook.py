@@ -67,6 +67,9 @@ def solution():
 
 @pytest.mark.exhaustive
 def test_a_solution_shows_its_overview_and_its_table(solution):
+    """A solution in a notebook is an image, its description, and the table of its
+    outcome.
+    """
     html = solution._repr_html_()
 
     picture = image(html)

@@ -793,6 +793,9 @@ def test_restitution_notes_the_largest_residual_and_leaves_out_collisions_withou
 
 
 def test_restitution_refuses_numbers_that_do_not_match_or_are_missing():
+    """`plot.restitution` refuses two ratios with one value, and a value that is NaN
+    alone.
+    """
     with pytest.raises(ValueError, match="shape"):
         plot.restitution([0.1, 0.2], [0.1], axes())
     with pytest.raises(ValueError, match="finite"):
@@ -1113,6 +1116,9 @@ def test_save_names_the_formats_of_a_figure(small_figure, tmp_path, name):
 
 
 def test_save_replaces_a_file_only_by_force(small_figure, tmp_path):
+    """Without force, `plot.save` leaves an existing file as it is and raises
+    FileExistsError; with force, the file is a PNG afterwards.
+    """
     path = tmp_path / "picture.png"
     path.write_text("mine")
 
@@ -1229,6 +1235,9 @@ def test_rows_of_masses_have_contacts_and_energy_to_draw(solved_masses):
 
 
 def test_a_narrow_page_of_a_single_mass_shows_its_energy():
+    """The overview of a mass that moves alone has one diagram on a narrow page, that of
+    its energy.
+    """
     solution = ri.solve(ri.System([ri.RigidMass(1.0, velocity=1.0)]), until=1e-3)
     with plot.look(width=85):
         figure = plot.overview(solution)

@@ -125,6 +125,9 @@ def test_a_wrong_band_is_refused(band, message):
 
 
 def test_a_pair_of_axes_is_used_and_a_single_one_refused():
+    """A comparison is drawn on two given Axes: the signals on the first, their residual
+    on the second. A single Axes is refused.
+    """
     upper, lower = Figure().subplots(2, 1)
 
     picture = plot.comparison(PULSE, PULSE, [upper, lower], shift=0.0)
@@ -171,6 +174,7 @@ def diagram_with_gauges(solution, across):
 
 @pytest.mark.parametrize("across", few_of([False, True], [True]))
 def test_stations_are_named(across):
+    """Both gauges of a space-time diagram have lines with their names, and texts."""
     picture = diagram_with_gauges(BY_FRONTS, across)
 
     expected = {"incident", "struck end"}

@@ -37,6 +37,9 @@ def struck_bar_solution():
 @pytest.mark.exhaustive
 @pytest.mark.parametrize("strain", [1e-4, -3e-4])
 def test_the_limits_hold_all_that_is_drawn_and_no_more_than_twice_as_much(strain):
+    """The strain axis of a gauge contains all strains, and is at most twice as long as
+    their range.
+    """
     system = ri.System([rod(0.5, strain=strain)])
     solution = ri.solve(system, 3e-4)
 
@@ -139,6 +142,7 @@ def receding_bars():
 
 @pytest.mark.parametrize("system", [vibrating_bar(), receding_bars()])
 def test_without_a_pulse_nothing_is_shaded(system):
+    """The signal of a gauge without a pulse is drawn without windows."""
     solution = ri.solve(system, 3e-4)
 
     picture = draw(solution.gauge(0, 0.3))

@@ -103,6 +103,7 @@ USUAL = [("lab", "pile", COLUMN)]
 
 @pytest.mark.parametrize("case", few_of(CASES, USUAL))
 def test_labels_do_not_collide(solved, case):
+    """In a figure of a row on a page of some width, no two labels overlap."""
     figure, row, width = case
 
     with plot.look(width=width):

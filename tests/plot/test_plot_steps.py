@@ -326,6 +326,9 @@ def test_a_diagram_from_start_to_stop_shows_that_interval(solved):
 
 @pytest.mark.exhaustive
 def test_cells_stay_pixels_so_that_vector_files_are_small(solved, tmp_path):
+    """An SVG file of a space-time diagram with cells has two images, and less than 500
+    kB.
+    """
     path = tmp_path / "a.svg"
     figure = plot.spacetime(solved["hertz"]).ax.figure
 
@@ -494,6 +497,9 @@ def test_a_joint_is_drawn_between_its_faces(joined_solution, joined_picture):
 
 
 def test_a_joint_is_not_drawn_as_pressing(joined_picture):
+    """In a space-time diagram, all lines of pressing contacts are left of the patch of
+    the joint.
+    """
     joint_x, _ = joint_patch(joined_picture).get_xy().T
     lines = joined_picture.pressing.get_segments()  # each [point, (x, t)]
     pressing_x, _ = np.concatenate(lines).T
@@ -502,6 +508,7 @@ def test_a_joint_is_not_drawn_as_pressing(joined_picture):
 
 @pytest.mark.exhaustive
 def test_a_joint_is_a_line_in_material_coordinates(joined_solution):
+    """Over material coordinates the patch of a joint has an outline, and no width."""
     line = joint_patch(plot.spacetime(joined_solution))
 
     x, _ = line.get_xy().T

@@ -107,6 +107,9 @@ def present_look():
 
 
 def test_light_is_the_default_and_looks_come_back_in_turn():
+    """Contexts `plot.look` are nested: after each of them the look outside it applies
+    again.
+    """
     assert present_look() == "light"
     with plot.look("dark"):
         assert present_look() == "dark"
@@ -124,6 +127,7 @@ def test_the_look_before_comes_back_after_an_error():
 
 
 def test_a_look_leaves_the_settings_alone():
+    """The `rcParams` of matplotlib are the same before and after `plot.look`."""
     before = dict(mpl.rcParams.copy())
 
     with plot.look("dark"):
@@ -224,6 +228,9 @@ def test_the_style_sheets_differ_in_colours_only():
 
 @pytest.mark.usefixtures("closing")
 def test_axes_of_pyplot_look_like_axes_of_the_package():
+    """A diagram of energy on Axes of pyplot has the labels of one on Axes of the
+    package, and no line at its top.
+    """
     _, ax = plt.subplots()
 
     picture = plot.energy(SOLUTION, ax=ax)
@@ -246,6 +253,7 @@ def test_a_pair_of_axes_of_pyplot_can_be_given():
 
 @pytest.mark.usefixtures("closing")
 def test_axes_of_a_part_of_a_figure_can_be_given():
+    """A diagram on Axes of a subfigure belongs to the whole figure."""
     figure = plt.figure()
     left, _ = figure.subfigures(1, 2)
 
@@ -272,6 +280,7 @@ def test_show_opens_the_window_of_a_figure_of_pyplot(windows):
 
 
 def test_show_gives_a_figure_of_the_package_to_pyplot_once(windows):
+    """A picture, and then its figure, are shown in the same window of pyplot."""
     own = plot.energy(SOLUTION)
 
     plot.show(own)

@@ -669,6 +669,7 @@ def test_no_contour_follows_the_frame():
 
 
 def test_a_constant_map_has_no_contours():
+    """A map of ones with noise of 1e-12 has no contours; its colours begin at 0."""
     picture = plot.sweep(result_of(1 + NOISE), axes())
 
     assert picture.contours is None
@@ -966,6 +967,9 @@ def test_a_text_in_place_of_the_axes_is_refused_with_the_name_of_its_argument():
 
 
 def test_a_text_in_place_of_the_axes_is_refused_by_every_figure():
+    """`plot.spacetime` and `plot.energy` refuse a text as the second argument, and name
+    the remedy.
+    """
     solution = ri.solve(SYSTEMS["few"][0])
 
     with pytest.raises(ri.InvalidModel, match="field='stress'"):

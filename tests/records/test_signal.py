@@ -653,6 +653,7 @@ def test_a_table_is_read_as_it_was_written_and_replaced_only_by_force(tmp_path):
 
 
 def test_a_dataset_is_read_as_it_was_made():
+    """Signals that are put into a dataset come back equal; units are attributes."""
     pytest.importorskip("xarray")
     data = ri.signals_to_xarray(SIGNALS)
     restored = ri.signals_from_xarray(data)

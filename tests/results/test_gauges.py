@@ -81,6 +81,7 @@ NO_INTERVALS = [
 
 @pytest.mark.parametrize("interval", NO_INTERVALS, ids=repr)
 def test_an_interval_that_is_no_positive_number_is_refused(tmp_path, bars, interval):
+    """`gauges_to_csv` refuses the interval and writes no file."""
     path = tmp_path / "x.csv"
     gauges = {"a": bars.gauge(0, 0.1)}
     with pytest.raises(ri.InvalidModel, match="interval"):
@@ -89,6 +90,7 @@ def test_an_interval_that_is_no_positive_number_is_refused(tmp_path, bars, inter
 
 
 def test_a_table_without_a_gauge_is_refused(tmp_path):
+    """`gauges_to_csv` refuses an empty mapping and writes no file."""
     path = tmp_path / "x.csv"
     with pytest.raises(ri.InvalidModel, match="gauges"):
         ri.gauges_to_csv(path, {})
@@ -130,6 +132,7 @@ NO_NAMES = [
 
 @pytest.mark.parametrize("name", NO_NAMES, ids=repr)
 def test_names_that_break_a_table_are_refused(tmp_path, bars, name):
+    """`gauges_to_csv` refuses a second gauge by its name and writes no file."""
     path = tmp_path / "x.csv"
     gauge = bars.gauge(0, 0.1)
     with pytest.raises(ri.InvalidModel, match="gauges: a column is named by letters"):
@@ -217,6 +220,9 @@ def test_the_command_line_writes_a_table_of_gauges_once(tmp_path, capsys):
 def test_mistakes_on_the_command_line_are_named_and_write_nothing(
     tmp_path, capsys, monkeypatch, options, message
 ):
+    """`rodimpact run` with a wrong --gauge, or with one of --gauge and --gauges alone,
+    ends with status 2 and a message, and writes no table.
+    """
     monkeypatch.chdir(tmp_path)
     (tmp_path / "case.toml").write_text(CASE)
     assert main(["run", "case.toml", *options]) == 2

@@ -313,6 +313,7 @@ def test_errors_of_strains_beside_contacts_jumps_of_area_and_masses_are_of_order
 
 
 def test_the_axial_force_does_not_jump_with_the_area(meshes_of_stepped_rod):
+    """On every mesh, the forces just before a jump of the area and at it are equal."""
     for solution in meshes_of_stepped_rod:
         before = solution.axial_force(1, JUMP - 1e-12, TIMES_OF_WAVES)
         behind = solution.axial_force(1, JUMP, TIMES_OF_WAVES)

@@ -266,6 +266,7 @@ def test_a_restitution_of_the_round_off_of_a_common_velocity_is_0():
 
 
 def test_bodies_that_have_not_parted_have_no_restitution():
+    """e is NaN for a collision that is not over, with velocities equal to 1e-14 m/s."""
     before = (1.0, 0.0)
     after = (0.0, -1e-14)
     e = effective_restitution(final=False, episodes=1, before=before, after=after)

@@ -567,6 +567,7 @@ def test_intervals_without_regions_or_with_too_many_are_refused(
 
 
 def test_families_and_what_is_no_system_are_refused():
+    """`solve` refuses a family, with `sweep` as the remedy, and a list of bodies."""
     lengths = np.array([0.1, 0.2])
     family = ri.System([rod(lengths, velocity=1.0), rod(1.0)])
     with pytest.raises(ri.InvalidModel, match=r"a family of shape \(2,\).*sweep"):

@@ -37,6 +37,7 @@ LONG = ri.Rod(1.0, area=1e-4, material=STEEL)
 
 
 def test_text_is_written_as_it_is(tmp_path):
+    """`write_text` writes UTF-8, keeps line ends, and leaves no temporary file."""
     text = "Länge\r\n1 µm\n"
     path = tmp_path / "a.txt"
 
@@ -87,6 +88,7 @@ def test_paths_where_no_file_can_be_are_refused(tmp_path, name, error, said, for
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no named pipes here")
 def test_only_regular_files_are_replaced(tmp_path):
+    """`write_text` with force refuses a named pipe and leaves it as it is."""
     os.mkfifo(tmp_path / "pipe")
     with pytest.raises(OSError, match="not a regular file"):
         write_text(tmp_path / "pipe", "x", force=True)

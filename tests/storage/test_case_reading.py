@@ -293,6 +293,7 @@ def test_a_shaft_without_a_kind_is_soil():
 
 
 def test_profiles_along_a_shaft_have_units_per_length():
+    """Steps of a resistance in kN/m and of a drag in N s/m^2 are read in SI units."""
     soil = "[bodies.shaft]\nquake = 2e-3\nresistance = {values = ['5 kN/m', 0], at = [0.1]}\n"
     drag = "[bodies.shaft]\nkind = 'drag'\ncoefficient = {values = ['2 N s/m^2', 0], at = [0.1]}\n"
 

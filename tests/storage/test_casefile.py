@@ -168,6 +168,9 @@ def test_materials_of_any_name_read_back_equal(name):
 
 
 def test_a_family_is_no_case_and_its_member_is_one():
+    """`format_case` refuses a family and names its index as the remedy; its text of a
+    member is read as an equal system.
+    """
     family = ri.System([ri.Rod([1.0, 2.0], area=1e-4, material=STEEL)])
     with pytest.raises(ri.InvalidModel, match=r"shape \(2,\).*system\[index\]"):
         format_case(family)

@@ -376,6 +376,9 @@ def test_a_file_of_another_sweep_among_those_of_this_one_is_refused(
     os.name != "posix" or os.geteuid() == 0, reason="needs a user with limits"
 )
 def test_a_directory_that_cannot_be_written_is_told_at_once(tmp_path, monkeypatch):
+    """A sweep into a directory that may only be read raises PermissionError before any
+    family is run.
+    """
     tmp_path.chmod(0o500)  # read only
     with (
         recorded_families(monkeypatch) as families_run,

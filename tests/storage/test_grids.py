@@ -373,6 +373,9 @@ def test_the_first_to_vary_is_the_first_axis():
 
 
 def test_a_file_read_with_a_grid_is_a_family_and_without_one_a_collision(tmp_path):
+    """A file read with two lengths is a family of shape (2,); with no lengths it is
+    read as by `read_case` alone.
+    """
     path = tmp_path / "case.toml"
     path.write_text(PROFILES_AND_SEGMENTS)
 

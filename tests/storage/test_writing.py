@@ -140,6 +140,7 @@ def test_a_directory_where_one_may_not_write_is_told_before(tmp_path, monkeypatc
 
 
 def test_names_that_no_file_can_have_are_refused(tmp_path):
+    """`check_target` refuses a name of 300 letters, and one with a zero byte."""
     with pytest.raises(OSError, match="File name too long"):
         check_target(tmp_path / ("n" * 300))
     with pytest.raises(ri.InvalidModel, match="must be the name of a file"):
@@ -147,6 +148,7 @@ def test_names_that_no_file_can_have_are_refused(tmp_path):
 
 
 def test_a_link_that_points_nowhere_is_written_through(tmp_path):
+    """`write_bytes` to a link makes the file to which it points; the link stays."""
     (tmp_path / "link").symlink_to("real")
     write_bytes(tmp_path / "link", b"x")
     assert (tmp_path / "real").read_bytes() == b"x"
