@@ -481,6 +481,7 @@ def derivatives_of(objective, point):
 
     The point holds the shares of length and velocity, shift, gain, blur, offset, trend.
     """
+    # Small beside the range of each of these numbers
     steps = [1e-5, 1e-5, 1e-10, 1e-5, 1e-9, 1e-5, 1.0]
     columns = []
     for k, step in enumerate(steps):

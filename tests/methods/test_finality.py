@@ -268,6 +268,7 @@ def test_a_grazing_contact_that_presses_again_is_one_episode():
     the ends only touch.
     """
     jumps = [1.0, 1.5, 2.0, 2.5]
+    # With v = -c strain and c = 1 m/s, the pulses run to the right.
     velocity = ri.Steps([0, 1, 0, 1, 0], at=jumps)
     strain = ri.Steps([0, -1, 0, -1, 0], at=jumps)
     pulses = ri.Rod(3.0, area=1.0, material=M, velocity=velocity, strain=strain)

@@ -189,10 +189,10 @@ def test_a_spring_whose_force_ends_before_it_opens_states_the_difference():
 
 @pytest.mark.parametrize("restitution", [0.3, 0.7])
 def test_bodies_that_are_set_at_rest_state_the_velocity_that_they_lose(restitution):
-    """A ball on a floor bounces until it parts by less than 1e-8 of the velocity
-    scale.
+    """A ball on a floor bounces until it would part by less than 1e-8 of the velocity
+    scale and is set at rest. The stated error of velocities is about as large.
     """
-    # The rod is too far away to be struck.
+    # The floor is the wall on the left. The rod is too far away to be struck.
     ball = ri.RigidMass(1.0, velocity=0.0)
     bodies = [ri.Wall(), ball, unit_rod()]
     laws = [ri.Rigid(restitution=restitution), ri.Rigid()]

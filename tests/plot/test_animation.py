@@ -30,7 +30,7 @@ def between_walls():
 
 
 def with_masses():
-    """Two masses and two rods, the last of which is infinite; not solved."""
+    """Two masses and two rods, the last of which has an absorbing end; not solved."""
     striker = ri.RigidMass(0.1, velocity=2.0)
     bodies = [striker, rod(0.4), ri.RigidMass(0.2), rod(0.2)]
     contacts = [ri.Hertz(1e10), ri.Bonded(), ri.Rigid()]

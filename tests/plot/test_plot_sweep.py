@@ -22,7 +22,9 @@ def column(values):
 
 
 def rods_with_heads():
-    """A heavy rod struck by a rod, a map over length and area of its head; not solved."""
+    """A family [7, 6]: a rod strikes a heavy one, by the length and the area of the thin
+    head of the heavy one. Not swept.
+    """
     lengths = column(np.linspace(1.1, 2.9, 7))
     areas = np.linspace(1.1, 2.6, 6)
     head = ri.Segment(lengths, areas, UNIT)

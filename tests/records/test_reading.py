@@ -121,6 +121,9 @@ def test_a_single_column_with_a_rate_is_a_signal_with_the_unit_of_its_head(read)
 def test_numbers_are_read_with_the_decimal_sign_that_they_must_have(
     read, text, options, values
 ):
+    """The column "a" of a text has these values, by the decimal sign that an argument
+    gives or that follows from the text.
+    """
     signal = read(text, **options)["a"]
     assert signal.values.tolist() == values
 

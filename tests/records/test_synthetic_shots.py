@@ -137,7 +137,7 @@ def reduced(arrangement, noise=NOISE, seed=0):
 
 
 def reduce_impact(gauge):
-    """Reduce the record of a direct impact with one gauge."""
+    """Reduce the record of a direct impact with one gauge, on the output bar."""
     return ri.reduce(
         output_gauges=gauge,
         bars=THIN_BAR,

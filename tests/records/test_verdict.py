@@ -63,8 +63,9 @@ def test_the_verdict_is_that_of_the_computed_specimen(shot):
 
 
 def test_from_the_strain_that_the_verdict_names_on_the_true_forces_balance(shot):
-    """The forces on both faces of the run differ by less than 5 % in the median from
-    1.5 times that strain on.
+    """The verdict names the strain from which a shot is in equilibrium. Beyond 1.5 times
+    this strain, the forces on both faces in the simulated shot differ by less than 5 %
+    in the median.
     """
     result = reduced(shot)
     verdict = result.verdict

@@ -275,9 +275,9 @@ def test_more_regions_than_a_picture_shows_are_refused_with_the_number(box_solut
 
 
 def test_a_gauge_separates_the_waves_and_has_the_fields_at_its_place(box_solution):
-    """A gauge in the middle of the struck rod: its waves add to its strain, the first
-    is the incident wave of v/(2 c) at its time, and between changes strain and velocity
-    are those of the solution.
+    """A gauge in the middle of the struck rod: its two waves add to its strain, the
+    first change is the incident wave, when it arrives, and between changes strain and
+    velocity are those of the solution.
     """
     x = 0.5
     gauge = box_solution.gauge(1, x)

@@ -475,8 +475,8 @@ def random_rods(rng, count):
 
 
 def rigid_row(seed):
-    """Two or three rods whose formulas are short, not solved, and the generator of
-    random numbers in its present state.
+    """A row of two rods, or of three for an odd seed, with at most 24 events, so that
+    its formulas are short; and the generator of random numbers in its present state.
     """
     rng = np.random.default_rng([44, seed])
     n_rods = 2 + seed % 2

@@ -74,7 +74,11 @@ TABLES = read_page()
 
 
 def complete_case(example):
-    """The tables of a whole case file: those of an example, and two bodies."""
+    """The data of a whole case file with the tables of an example.
+
+    Bodies that the example lacks are `ROD`, so that there are two; an example of
+    segments makes a rod alone.
+    """
     data = {"schema": 1, "bodies": [ROD, ROD], "solve": {"until": 1e-4}, **example}
     bodies = data["bodies"]
     if "segments" in bodies:

@@ -321,7 +321,10 @@ def swept_into_files(path, monkeypatch):
 def test_a_damaged_file_is_told_and_kept_and_only_its_members_run_again(
     tmp_path, monkeypatch, damage
 ):
-    """The fifth of the files is damaged, and the sweep is called again."""
+    """The fifth of the files is damaged, and the sweep is called again: it warns of the
+    file, runs its members only, has the same result, and keeps the damaged file. A
+    third call runs nothing.
+    """
     result, files = swept_into_files(tmp_path, monkeypatch)
     fifth = files[4]
     damaged = damage(fifth.read_bytes())
