@@ -309,6 +309,8 @@ class Node:
         rates_of_state = np.empty_like(states)
         for i, link in enumerate(self.links):
             rates_of_state[:, i] = link.overlap_rate(closings[i], forces[i])
+        # The columns of velocities follow those of the overlaps. A mass i is pushed on
+        # by the link i - 1 before it, and held up by the link i behind it.
         for column, i in enumerate(self.moving(), len(self.links)):
             before = forces[i - 1] if i > 0 else 0.0
             behind = forces[i] if i < len(forces) else 0.0

@@ -144,7 +144,9 @@ def test_every_name_of_the_manual_has_an_example():
 
 
 def test_the_manual_is_no_longer_than_it_may_be():
-    """Words of the README, of tutorials without their code, and of the verdicts."""
+    """The README has at most 900 words, each tutorial without its code 1500, and the
+    page of verdicts 1000.
+    """
     assert len(README.split()) <= 900
     assert len(README.splitlines()) < 150
     for name in (

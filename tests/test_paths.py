@@ -122,6 +122,9 @@ def test_families_take_materials_by_name_and_by_body(heavy, path):
 
 
 def test_gradients_take_materials_by_name_and_by_body(heavy):
+    """The derivative by the density of brass is the same by the path of this material
+    and by that of the only body of brass.
+    """
     of_last = "velocity_after.2"  # the velocity of the rod of brass
     by_name = ri.gradient(heavy, of_last, wrt=["materials.brass.density"])
     by_body = ri.gradient(heavy, of_last, wrt=["bodies.2.material.density"])

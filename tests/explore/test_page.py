@@ -248,7 +248,7 @@ def test_presets_show_their_collisions_to_the_end(visit):
             text = f"{last_velocity:.6g} m/s".replace("-0 ", "0 ")
             rows = page.locator("#results tr").all_inner_texts()
             assert any(row.endswith(text) for row in rows)
-        # Each body has a part of the form, each contact has one, and the gauges.
+        # n bodies, the n - 1 contacts between them, and the gauges have a part each.
         parts = page.locator("#controls fieldset")
         assert parts.count() == 2 * len(outcome.bodies)
         assert_the_film_ends_with_its_rods(page)

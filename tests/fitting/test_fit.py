@@ -293,9 +293,10 @@ TREND = 0.5  # 1/s, strain over time
 
 
 def changed_record(offset=0.0, trend=0.0, blur=0.0, area=1e-4):
-    """A noisy record with an offset, a trend, a blur, or a thicker striker.
+    """A noisy record with an offset, a trend, a blur, or a striker of another area.
 
-    The trend is 0 in the middle of the record.
+    The blur, s, is that of a low-pass filter; 0 is none. The trend, per second, is 0 in
+    the middle of the record.
     """
     _, bar = rods().bodies
     striker = ri.Rod(0.2, area=area, material=STEEL, velocity=10.0)

@@ -112,8 +112,8 @@ def only_with_newest_numba():
 
 
 def test_fronts_count_references_once_a_call():
-    """Once for each array of the state, where a call begins and ends: not in its
-    loops.
+    """The machine code of fronts counts references in `run_members` only: once for each
+    array of the state, where a call begins and ends, and not in its loops.
     """
     counts = reference_counts("fronts")
     assert set(counts) == {"run_members"}

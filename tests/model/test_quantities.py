@@ -388,7 +388,7 @@ def test_a_stiffness_of_any_power_must_be_bare():
 
 @pytest.mark.parametrize("quantity", QUANTITIES)
 def test_every_field_refuses_a_quantity_of_something_else(quantity):
-    """Each field refuses a quantity of a wrong unit, with its number; none takes it."""
+    """Each field refuses a quantity of a wrong unit; the message has its number."""
 
     def wrong_quantity(unit):
         """Grams, or millimetres where grams would be right."""

@@ -1112,6 +1112,7 @@ def test_lateral_inertia_can_be_taken_away(word):
 
 @pytest.mark.parametrize("word", ["rayleigh-love", "mindlin-herrmann"])
 def test_segments_have_the_lateral_inertia_of_their_rod(word):
+    """The only segment of a rod has its lateral inertia and its polar moment."""
     tube = rod(polar_moment=2e-8, lateral_inertia=word)
     (segment,) = tube.segments
     assert segment.polar_moment == 2e-8

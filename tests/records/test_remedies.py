@@ -216,7 +216,9 @@ RIGOL = "X,CH1,Start,Increment,\nSequence,Volt,none,none,\n0,1,,\n1,2,,\n2,4,,\n
 def test_the_remedy_makes_the_file_readable(
     tmp_path, text, options, says, remedy, remedy_options
 ):
-    """`remedy` is the text that the message asks for; None: other arguments suffice."""
+    """A file is refused, and read after its remedy: with `remedy` as its text, or
+    unchanged if this is None, and with `remedy_options`.
+    """
     path = tmp_path / "shot.txt"
     path.write_text(text)
     with pytest.raises(FileFormatError, match=says):

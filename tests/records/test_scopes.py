@@ -58,8 +58,8 @@ def test_without_heads_the_column_that_increases_is_that_of_times(tmp_path):
 
 
 def test_a_lecroy_scope_tells_times_and_volts(tmp_path):
-    """Public readers of such files skip Segments and the trigger times:
-    parse_lecroy_segmented.
+    """The file of a LeCroy scope is read in s and V; its lines of segments and trigger
+    times are skipped, as by the public reader parse_lecroy_segmented.
     """
     head = (
         "LECROYWR64Xi-A,12345,Waveform\nSegments,1,SegmentSize,60\n"

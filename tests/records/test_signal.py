@@ -25,7 +25,7 @@ def trapezoid(start=20e-6, rise=4e-6, width=60e-6, height=2.0, dt=1e-7, **names)
 
 
 def tone(frequency, dt=1e-7, count=8001):
-    """A burst of one frequency, Hz, smooth at its ends."""
+    """A burst of one frequency, Hz, under a Gaussian curve about its middle."""
     t = dt * np.arange(count)
     middle = t[-1] / 2
     from_middle = (t - middle) / 5e-5
@@ -130,7 +130,9 @@ def test_the_baseline_is_the_mean_of_a_stretch_and_is_subtracted():
 
 
 def test_a_pulse_has_plateau_width_at_half_height_rise_and_start():
-    """The rise is that from 10 % to 90 %, and the start is at 10 %."""
+    """A negative trapezoid has its negative plateau, its width at half height, its rise
+    from 10 % to 90 %, and its start at 10 %.
+    """
     start = 20e-6
     whole_rise = 4e-6
     width = 60e-6

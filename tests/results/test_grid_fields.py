@@ -129,7 +129,7 @@ def test_a_linear_strain_lengthens_a_rod_by_its_mean(linear_solution):
     """
     left, right = linear_solution.displacement(0, [0.1, 1.9], 0.0)
     lengthening = right - left
-    mean_strain = 0.3 - 0.1 * 1.0  # in the middle, at x = 1
+    mean_strain = 0.3 - 0.1 * 1.0  # 0.3 - 0.1 x in the middle, at x = 1 m
     expected = mean_strain * (1.9 - 0.1)
     assert lengthening == pytest.approx(expected, abs=1e-14)
 

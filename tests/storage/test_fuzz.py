@@ -48,18 +48,18 @@ def spoil(rng, data):
     kind = rng.integers(6)
     size = len(data)
     start, stop = sorted(rng.integers(size + 1, size=2).tolist())
-    if kind == 0:
+    if kind == 0:  # up to three bits change
         for index in rng.integers(size, size=rng.integers(1, 4)):
             data[index] ^= 1 << rng.integers(8)
-    elif kind == 1:
+    elif kind == 1:  # the end is missing
         del data[start:]
-    elif kind == 2:
+    elif kind == 2:  # at most 40 bytes are missing
         del data[start : min(stop, start + 40)]
-    elif kind == 3:
+    elif kind == 3:  # zeros in place of a piece
         data[start:stop] = bytes(stop - start)
-    elif kind == 4:
+    elif kind == 4:  # random bytes between two others
         data[start:start] = rng.bytes(rng.integers(1, 40))
-    else:
+    else:  # random bytes in place of a piece
         data[start:stop] = rng.bytes(stop - start)
     return bytes(data)
 
