@@ -314,6 +314,7 @@ def test_the_kernel_of_characteristics_does_the_same_on_the_same_records(
     reasons = {page["why"] for page in pages}
     assert reasons == {Stop.FULL, Stop.DONE, Stop.CAP}  # each occurs
     for seed, state, page in zip(seeds, states, pages, strict=True):
+        # The kernel changes the state in place.
         assert page["why"] == KERNEL(state)
         tables = tables_of_state(state)
         # The matrix is memory that is reused: what is left in it has no meaning.

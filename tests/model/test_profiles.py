@@ -328,6 +328,7 @@ def integral_of_steps(steps, start, end):
     jumps = [x for x in steps.at if start < x < end]
     total = 0.0
     for a, b in pairwise([start, *jumps, end]):
+        # The value between two jumps has the number of the jumps before it.
         jumps_before = [x for x in steps.at if x <= a]
         value = steps.values[len(jumps_before)]
         total += value * (b - a)

@@ -1005,7 +1005,9 @@ def test_steps_of_the_area_make_a_stepped_rod():
 
 
 def test_lengths_between_steps_are_differences_of_decimals():
-    """The floats 0.3 and 0.1 differ by 0.19999999999999998."""
+    """Steps at 0.1 and 0.3 m make a segment of 0.2 m, although the floats 0.3 and 0.1
+    differ by 0.19999999999999998.
+    """
     area = ri.Steps([1e-4, 2e-4, 3e-4], [0.1, 0.3])
     stepped = rod(length=0.4, area=area)
     lengths = [segment.length for segment in stepped.segments]

@@ -296,7 +296,7 @@ def test_a_rod_that_comes_from_the_right_is_inside_before_it_touches():
     ],
 )
 def test_frames_name_the_last_event(film_with_approach, time, event):
-    """`time` is that of the frame, s, and `event` the text that it shows."""
+    """The first frame at or after `time`, s, shows one text of an event, `event`."""
     number = int(np.searchsorted(film_with_approach.times, time))
 
     film_with_approach.frame(number)

@@ -31,7 +31,7 @@ def ten_rods():
 
 
 def stepped_pair():
-    """A rod that strikes one of two segments; not solved."""
+    """A rod that strikes one of two segments across a gap; not solved."""
     thin = ri.Segment(0.3, 1e-4, STEEL)
     thick = ri.Segment(0.4, 3e-4, ri.materials.aluminium)
     struck = ri.Rod(segments=[thin, thick])

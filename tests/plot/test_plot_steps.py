@@ -287,7 +287,7 @@ def test_a_fixed_end_is_hatched_like_a_wall(method):
 
 @pytest.mark.exhaustive
 def test_an_absorbing_end_is_dashed_and_no_other(solved):
-    """Of the six lines of ends in a diagram, only the last one, absorbing, is dashed."""
+    """Of six lines of ends in a diagram, only the last one, absorbing, is dashed."""
     picture = plot.spacetime(solved["hopkinson"], axes())
 
     styles = picture.ends.get_linestyle()  # (offset, dashes) of each of six ends

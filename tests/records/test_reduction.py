@@ -989,7 +989,10 @@ WEAK_GAUGES = list(itertools.product(BARS_NAMED, OPPOSITE, [0.0, 0.5]))
     ),
 )
 def test_a_weak_gauge_beside_its_opposite_is_doubted(shot, case):
-    """The gain makes up for the lost strain, so the forces balance all the same."""
+    """One of two opposite gauges on a bar records a part of the strain only, and is
+    doubted, although the gain makes up for it, so that the forces balance. Without this
+    gauge nothing is doubted.
+    """
     bar, weak, recorded_part = case
     sound = OPPOSITE[weak]
     percent = f"{100 * recorded_part:.0f} %"
