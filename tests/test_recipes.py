@@ -606,6 +606,9 @@ def carry_out(edits, copy):
 def test_a_recipe_touches_the_files_that_the_page_names_and_gives_a_thing_that_works(
     what, edits, program, tests, copy
 ):
+    """The edits of a recipe are in the files that its page names; in a copy with these
+    edits, its program and its tests, if it has any, run without an error.
+    """
     assert set(edits) == files_named_by(what)
 
     carry_out(edits, copy)

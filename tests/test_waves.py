@@ -257,8 +257,9 @@ def test_short_waves_of_mindlin_and_herrmann_have_the_speeds_of_their_own_terms(
 def test_long_waves_of_mindlin_and_herrmann_have_their_first_term_of_dispersion(
     nu,
 ):
-    """The slow speed at a radius of 1e-3 of the wavelength is less than c0 by a term
-    with its square.
+    """At a radius of 1e-3 of the wavelength, the slow speed over c0 is 1 minus a term
+    with the square of the radius. For endless waves the slow speed is c0, and the fast
+    one infinite.
     """
     radius_over_wavelength = 1e-3
     _, mu = lame_constants(nu)

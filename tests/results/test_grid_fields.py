@@ -526,8 +526,8 @@ def test_a_gauge_has_the_fields_at_its_place_and_waves_that_add_to_its_strain():
 
 
 def test_averages_between_times_are_those_of_a_free_vibration():
-    """Means over time of a rod that starts with v = cos(pi x) are compared with the
-    formula.
+    """Means of velocity and strain between four times, at three positions of a free rod
+    that starts with v = cos(pi x), are those of the formula to 2e-3.
     """
     rod = unit_rod(velocity=lambda x: math.cos(math.pi * x))
     solution = ri.solve(ri.System([rod]), 2.0, METHOD, cells=80)

@@ -421,7 +421,9 @@ def test_a_checkpoint_that_is_a_file_is_refused(tmp_path):
 
 
 def test_a_refused_member_is_known_when_the_sweep_goes_on(tmp_path, monkeypatch):
-    """The second member is not run again."""
+    """The second of three members is refused; a second sweep with the same checkpoint
+    runs none again, and the second is incomplete as before.
+    """
     lengths = np.array([0.5, 1e-13, 0.7])  # no clock counts the waves of the second
     striker = ri.Rod(lengths, area=1e-4, material=STEEL, velocity=1.0)
     struck = ri.Rod(1.0, area=1e-4, material=STEEL)

@@ -607,8 +607,8 @@ contacts = [
 
 
 def test_a_number_follows_another_one_by_a_factor():
-    """The yield force is 2.5 mm times the stiffness, which varies, in each member; it is
-    no axis of the family.
+    """In each member, the yield force is 2.5 mm times the stiffness, which varies; it
+    is no axis of the family.
     """
     stiffnesses = [80e6, 160e6, 240e6]
     vary = {
