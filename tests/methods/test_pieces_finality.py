@@ -127,7 +127,9 @@ def test_a_mass_on_a_dashpot_deviates_within_its_bound(damping):
 @pytest.mark.parametrize("seed", few_of(range(12), range(2)))
 @pytest.mark.parametrize("law", [ri.Hertz(20.0), ri.SpringDashpot(20.0, damping=0.5)])
 def test_a_run_three_times_as_long_as_a_final_one_has_the_same_contacts(seed, law):
-    """Two rods and a mass between them collide through a law and a spring."""
+    """Two rods and a mass between them collide through a law and a spring. A run three
+    times as long as the final one has the same episodes and the same final time.
+    """
     rng = default_rng(seed)
     left = stepped_rod(rng, velocity=1.0, n=1)
     mass = ri.RigidMass(0.5)

@@ -97,8 +97,9 @@ def duration_and_peak_force(mass, velocity, law):
 def test_two_bodies_collide_as_closed_forms_say_to_the_stated_errors(
     law, velocity, other, reduced_mass, after
 ):
-    """Velocities are those of rigid bodies, force and duration those of
-    `duration_and_peak_force`, each to the stated error.
+    """A mass of 2 kg strikes another body over a gap: velocities are those of rigid
+    bodies, force and duration those of `duration_and_peak_force`, each to the stated
+    error, and the contact begins when the gap is crossed.
     """
     striker = ri.RigidMass(2.0, velocity=velocity)
     system = ri.System([striker, other], gaps=[0.1], contacts=[law])
@@ -115,6 +116,7 @@ def test_two_bodies_collide_as_closed_forms_say_to_the_stated_errors(
     assert outcome.peak_force == pytest.approx(peak_force, rel=force_error)
     duration_error = stated["duration"]
     assert outcome.duration == pytest.approx(duration, rel=duration_error)
+    # All laws are elastic: the closing velocity is reversed.
     impulse = 2 * reduced_mass * velocity
     impulse_error = stated["impulse"]
     assert outcome.impulse == pytest.approx(impulse, rel=impulse_error)

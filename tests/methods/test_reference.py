@@ -321,7 +321,9 @@ def near(exact):
 
 @pytest.mark.parametrize("seed", few_of(SEEDS, range(5)))
 def test_contacts_motion_and_fields_agree_with_brute_force(seed):
-    """And no force begins after the time at which a collision is said to be over."""
+    """Contacts, motion and fields of a random row are those of `Reference`; no force
+    begins after the time at which `solve` says that the collision is over.
+    """
     system, pick = random_row(seed)
     until = Fraction(pick.randint(10, 50)) + Fraction(1, 7)  # no wave arrives then
     reference = Reference(system)
