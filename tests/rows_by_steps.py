@@ -416,7 +416,8 @@ class Row:
 
     def _append_node(self, node, before, behind):
         """Append a node between two rods, each given as by `_lines_of`; None where no
-        rod is.
+        rod is. Waves come to the left side of the node, 0, from the left and leave it
+        to the left; at its right side, 1, the reverse.
         """
         if before:
             to_right, to_left, mobility = before

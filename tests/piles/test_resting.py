@@ -130,7 +130,7 @@ def test_a_string_on_a_fixed_end_rests_with_the_strain_of_its_weight(is_hanging)
     """The strain of the pipe is (W + rho A (L - x) g)/(E A) at the middles of cells.
 
     W is the weight of the collar, x the distance from the fixed end. A string that
-    stands on the fixed end is compressed.
+    stands on the fixed end is compressed. A run of 1 s from this state stays at rest.
     """
     pipe = ri.Rod(3000.0, area=3.4e-3, material=STEEL)
     collar = ri.Rod(200.0, area=24e-3, material=STEEL)
