@@ -348,8 +348,8 @@ KIND_OF_ENERGY = {
 
 
 def check_energy_curves(curves, solution):
-    """Assert that all energies but the first are those of the ledger, to 1e-6 of the
-    total; strain and vibration, which are sums over few points, to 0.3 %.
+    """Assert that the energies at all times but the first are those of the ledger, to
+    1e-6 of the total; strain and vibration, sums over few points, to 0.3 %.
     """
     first_curve, *_ = curves
     times = np.minimum(first_curve["t"], solution.t_end)  # the same for all curves
