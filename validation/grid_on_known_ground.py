@@ -182,12 +182,13 @@ def pushed_rod() -> Rows:
 def absorbed_pulse() -> Rows:
     """Energies after a smooth pulse has run out of a bar through an absorbing end.
 
-    They are the energy that is left, 0, and the energy that was radiated, all of it.
+    They are the energy that is left, 0, the energy that was radiated, all of it, and
+    the residual of the balance of energy, 0. All are shares of the energy before.
     """
     x = np.linspace(-0.5, 0.5, 4001)
     v = np.exp(-((x / 0.08) ** 2))
     velocity = ri.Samples(v)
-    strain = ri.Samples(-v)
+    strain = ri.Samples(-v)  # -v/c, with c = 1: the pulse runs to the right
     bar = rod(1.0, velocity=velocity, strain=strain)
     ends = (ri.Free(), ri.Absorbing())
     system = ri.System([bar], ends=ends)

@@ -104,7 +104,11 @@ class ExactRun(NamedTuple):
 
 
 class BodyMotion(NamedTuple):
-    """Velocity of the centre of mass of a body, m/s."""
+    """Velocity before and after the collision, m/s, of what moves with a body.
+
+    It is the velocity of the centre of mass of all bodies that are bonded to the body,
+    or the velocity of the wall if one of them is a wall.
+    """
 
     before: TracedFraction
     after: TracedFraction
@@ -208,7 +212,8 @@ def _restitution(
     """Coefficient of restitution of the only contact that can open, if it collides.
 
     e = (V2 - V1)/(v1 - v2), with velocities V after and v before the collision. None if
-    several contacts or none can open, or nothing collides.
+    several contacts or none can open, or nothing collides. `nodes` has the number of
+    the kernel's node of each contact.
     """
     contacts = unilateral(row.system)
     if len(contacts) != 1:

@@ -215,7 +215,7 @@ class PlaneSearch:
         values = self._row.values(changed)
         try:
             run = self._row.run(values, self._max_events)
-            check_final(run.is_final, self._max_events)
+            check_final(run.is_final, self._max_events)  # raises FormulaTooLong, too
             return PlaneCell(self._row, run, values, self._names)
         except FormulaTooLong:
             return None

@@ -190,14 +190,17 @@ class Arguments(argparse.Namespace):
     def name_entries(self, text: str) -> str:
         """The text with names of arguments replaced by the case entries that gave them.
 
-        The other names are replaced by options when the text is printed.
+        "Give until=" becomes "Give solve.until" if the case file has this entry. Names
+        whose values came from options of the command line stay: they are replaced by
+        the options when the text is printed.
         """
         for name in RUN_NUMBERS:
             entry = self.options.get(name, "")
             if not entry.startswith("solve."):
                 continue
             pattern = rf"{NOT_QUOTED}{name}="
-            if name in ONLY_ARGUMENTS:  # the name alone, without "=", is replaced too
+            if name in ONLY_ARGUMENTS:
+                # The "=" is optional: the name alone is replaced too, as a whole word.
                 pattern += r"?(?!\w)"
             text = re.sub(pattern, entry, text)
         return text

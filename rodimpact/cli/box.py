@@ -316,7 +316,11 @@ class FigureFiles:
     """
 
     def __init__(self, folder: Path, keys: Sequence[str], file_format: str) -> None:
-        """Name a file for each view of each collision, and one for the restitution."""
+        """Name a file for each view of each collision, and one for the restitution.
+
+        `keys` are the keys of the collisions. `groups` gets the file names of each
+        collision, in this order, and last the file name of the restitution.
+        """
         self.folder = folder
         self.groups: list[list[str]] = []
         for key in keys:

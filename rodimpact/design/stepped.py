@@ -247,7 +247,8 @@ def _strikers(
 def _simplest_best(strikers: list[Striker]) -> Striker:
     """The striker with the fewest segments among those with the least misfit.
 
-    Misfits that differ by `BETTER_MISFIT_RTOL` are the same.
+    `strikers` are in the order of their numbers of segments, the fewest first. Misfits
+    that differ by `BETTER_MISFIT_RTOL` are the same.
     """
     least = min(striker.misfit for striker in strikers)
     for striker in strikers:

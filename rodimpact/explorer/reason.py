@@ -204,9 +204,11 @@ def events_of_contact(facts: Any, contact: Any) -> str:
 def end_of_smooth_force(facts: Any, contact: Any, presses: list[Any]) -> str:
     """Words on the duration of the force of a smooth solution, without a full stop.
 
-    They say when `MAIN_IMPULSE` of the impulse had come if the rest is a weak tail, and
-    that no single wave ends the force if the contact is compliant. (A rigid contact has
-    a smooth solution if a body is a rigid mass, or if the case names characteristics.)
+    The duration is also given in transit times of the rod at the contact, see
+    `in_transits`. The words say when `MAIN_IMPULSE` of the impulse had come if the rest
+    is a weak tail, and that no single wave ends the force if the contact is compliant.
+    (A rigid contact has a smooth solution if a body is a rigid mass, or if the case
+    names characteristics.)
     """
     start = presses[0]["from"]
     duration = presses[-1]["to"] - start

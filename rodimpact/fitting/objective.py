@@ -182,14 +182,16 @@ class Objective:
     # Predictions
 
     def signals(self, shares: Iterable[Floats]) -> list[list[Signal]]:
-        """Predictions of all records for each of the shares, by record.
+        """Predictions [point][record] of all records at several points.
 
-        Blur, shift, gain, offset and trend are not applied yet. Each system is solved
-        once. `on_solved` is called after each.
+        A point is an array of shares, see `system_at`. Blur, shift, gain, offset and
+        trend are not applied yet. The system of each point is solved once, and
+        `on_solved` is called after each system.
         """
         systems = list(map(self.system_at, shares))
         strains_of_systems = self._map(self._compute_strains, systems)
         signals_of_systems = []
+        # The map is lazy, so that each round of this loop waits for one system.
         for system, strains in zip(systems, strains_of_systems, strict=True):
             signals = []
             for record, strain in zip(self.measured, strains, strict=True):

@@ -121,6 +121,10 @@ def projected_noise(noise: Floats, Q: Any) -> Floats:
 def explained_noise(noise: Floats, Q: Any, projected: Any) -> Floats:
     """Autocovariance of Q Q' G + G Q Q' - Q (Q' G Q) Q' in one record.
 
+    G is the covariance of the noise. The columns of Q are orthonormal, and Q Q' is the
+    projection on the changes of the prediction that the fitted numbers can make. So the
+    expression is G minus the covariance of the residuals of the fit.
+
     Parameters
     ----------
     noise : [frequency] array
@@ -131,7 +135,7 @@ def explained_noise(noise: Floats, Q: Any, projected: Any) -> Floats:
         Q' G Q of all records.
     """
     n = len(noise) - 1  # samples of the record; the spectra are of 2 n
-    filtered = np.fft.irfft(noise[:, None] * Q, 2 * n, axis=0)[:n]  # G Q
+    filtered = np.fft.irfft(noise[:, None] * Q, 2 * n, axis=0)[:n]  # G Q, in time
     spectrum = np.fft.rfft(filtered, 2 * n, axis=0)
     # Q Q' G and its transpose G Q Q' have the same autocovariance: hence the factor 2.
     power = np.sum(Q.conj() * (2 * spectrum - Q @ projected), axis=1).real
