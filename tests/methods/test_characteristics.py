@@ -224,7 +224,8 @@ def forces_until_2_s(contacts):
 def test_bonds_carry_a_push_less_what_accelerates_the_masses_before_them(gravity):
     """Three bonded masses, pushed from the left with 0.7 N, strike a rod and move as
     one. Each bond has the force of the push minus that which accelerates the masses on
-    its left; gravity accelerates all bodies alike and takes no force.
+    its left; gravity accelerates all bodies alike and takes no force. The impulse of a
+    bond is the integral of this force over the run.
     """
     push = 0.7
     mass = 1.0 + 2.0 + 3.0

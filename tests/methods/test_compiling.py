@@ -128,11 +128,13 @@ def test_names_used_once_are_those_that_one_function_calls_and_not_several():
 def test_a_change_of_any_file_of_a_kernel_changes_its_digest(
     module, files, monkeypatch
 ):
-    """Files from which it imports constants alone count, too."""
+    """The digest of a kernel's sources changes if any of the files gets one more
+    character, also a file from which only constants are imported.
+    """
     read_bytes = Path.read_bytes
 
     def digest_with_longer(file):
-        """Digest as if this file, without its ending, had another character."""
+        """Digest as if this file, without its ending, had one more character."""
         path = FOLDER / f"{file}.py"
 
         def read_longer(each):

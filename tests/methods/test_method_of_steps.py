@@ -165,8 +165,9 @@ def touching_rods(*contacts):
 @pytest.mark.parametrize("exponent", few_of([1.5, 2.0, 3.0, 4.0], [1.5, 4.0]))
 @pytest.mark.parametrize("first", ["rigid", "alike"])
 def test_no_force_acts_before_a_wave_can_arrive(first, exponent, stiffness):
-    """The first contact has no force, and its rod no velocity, until the wave of the
-    second contact has crossed the middle rod.
+    """Of three touching rods, the right one strikes. The left contact has no force, and
+    the left rod no velocity, until the wave from the right contact has crossed the
+    middle rod. All is solved by characteristics.
     """
     law = ri.PowerLaw(stiffness, exponent=exponent)
     first_law = law
@@ -178,7 +179,8 @@ def test_no_force_acts_before_a_wave_can_arrive(first, exponent, stiffness):
     solution = by_characteristics(rods, 6.0)
 
     contact = solution.run.contacts[0]
-    assert contact.first == pytest.approx(arrival, abs=1e-12)
+    start_of_force = contact.first
+    assert start_of_force == pytest.approx(arrival, abs=1e-12)
     before = np.linspace(0.0, arrival, 4001)[:-1]  # without the time of arrival
     force = solution.contacts[0].force(before)
     assert not np.any(force)

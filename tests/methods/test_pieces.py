@@ -354,13 +354,16 @@ def test_breaks_that_have_passed_are_left_behind():
     def read_and_unread(tick):
         """Index of the piece that is read at a tick; number of breaks still ahead."""
         lines.advance_to(line, log, FIRST_LINE, tick)
-        return line[0].read_piece, line[0].unread_breaks
+        read_line = line[FIRST_LINE]
+        return read_line.read_piece, read_line.unread_breaks
 
     assert read_and_unread(599) == (0, 2)
     assert read_and_unread(600) == (1, 1)
     assert lines.order_at(line, log, FIRST_LINE, 600) == 0
     assert lines.order_at(line, log, FIRST_LINE, 601) == SMOOTH  # no piece begins here
-    assert read_and_unread(5000) == (2, 0)  # after both breaks
+    assert read_and_unread(1099) == (1, 1)
+    assert read_and_unread(1100) == (2, 0)
+    assert read_and_unread(5000) == (2, 0)
 
 
 def quadrature(tick, ticks):

@@ -223,6 +223,7 @@ def test_what_yields_does_not_harden_unless_something_is_said():
 
 
 def test_a_table_unloads_along_its_steepest_line_unless_something_is_said():
+    """Without `unloading`, the `stiffness` on unloading is the largest of the slopes."""
     table = ri.Tabulated(compression=[1e-4, 3e-4], force=[1e3, 5e3])
     steepest = (5e3 - 1e3) / (3e-4 - 1e-4)
     assert table.stiffness == max(table.slopes)

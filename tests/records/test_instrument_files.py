@@ -17,7 +17,9 @@ HEADS = ["Time [us]", "incident [mV]", "transmitted"]
 
 
 def sheet():
-    """Rows of a sheet: a title, heads, then 40 times and volts and 30 strains."""
+    """Rows of a sheet: a title, heads, then 40 times in us, 40 values in mV and 30
+    strains.
+    """
     rows = [["Shot 12", None, None], HEADS]
     for k in range(40):
         microseconds = 1e6 * TIMES[k]

@@ -682,12 +682,12 @@ def test_stated_errors_of_a_mass_on_a_free_rod_hold():
 
 
 def test_a_duration_jumps_where_the_short_rod_becomes_the_thicker_one():
-    """At equal impedances of a short and a long rod, the duration jumps by the area of
-    the short one from its 2 T to that of the long rod: the gradient is nan, the jump is
+    """As a function of the area of the short rod, the duration jumps at equal impedances
+    from 2 T of the short rod to 2 T of the long rod. The gradient is nan, the jump is
     stated, and both slopes are 0.
     """
     path = "bodies.0.area"
-    T_short = 0.6  # of rods of unit wave speed
+    T_short = 0.6  # transit times, which are lengths, as the wave speed is 1
     T_long = 1.0
     striker = ri.Rod(T_short, area=1.0, material=UNIT, velocity=1.0)
     struck = ri.Rod(T_long, area=1.0, material=UNIT)

@@ -179,8 +179,9 @@ def test_a_family_is_no_case_and_its_member_is_one():
 
 
 def test_materials_of_one_name_have_a_table_each():
-    """Rods of four different materials, three of them named steel, are written with
-    four tables of materials, and read as the same system.
+    """Five rods of four different materials, three of them named steel, are written with
+    four tables of materials, and read as the same system. A material is named
+    "steel 2", as the writer would name a second steel.
     """
     materials = [
         STEEL,
