@@ -155,13 +155,13 @@ def number_bonded_masses(row: Row, bodies: Any, first_block: list[int]) -> None:
 def add_rod(row: Row, path: str, rod: Any) -> None:
     """Add a rod, whose path is `path`, to a row: its segments, bonded to each other.
 
-    The lists of the row by segment, by body and by node grow, and a bond between each
-    pair of segments is appended to its links. The path of a single segment is that of
-    the rod; others have a path such as ``"bodies.0.segments.1"``.
+    The lists of the row by segment, by body and by node grow, and a bond between every
+    two neighbouring segments is appended to its links. The path of a single segment is
+    that of the rod; others have a path such as ``"bodies.0.segments.1"``.
     """
     row.mass_of.append(-1)  # a rod is no rigid mass
     count = len(rod.segments)
-    # Segments are counted from 1.
+    # First and last segment, both included; segments are counted from 1.
     row.spans.append((len(row.segments) + 1, len(row.segments) + count))
     for j, segment in enumerate(rod.segments):
         if j > 0:

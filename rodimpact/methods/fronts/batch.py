@@ -99,12 +99,12 @@ class FrontBatch(Batch[State]):
     def load_members(self, values: Array) -> None:
         """Replace the members of the state by those with `values`, [member, value].
 
-        The results of the state become blank records for these members. In machine code
-        they reuse the arrays of earlier results, which are overwritten. Nothing runs
-        yet.
+        The state gets new blank records for the results of these members. In machine
+        code it gets the array of earlier results instead, or a longer one, with any old
+        content, which the run overwrites. Nothing runs yet.
         """
         member_count = len(values)
-        node_count = len(self.layout.closed_status)
+        node_count = len(self.layout.closed_status)  # one status for each node
         if self.is_compiled:
             # A new array takes longer than a run, so that one is made only if the
             # buffer is too small.

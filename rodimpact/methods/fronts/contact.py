@@ -185,6 +185,8 @@ def solve_force(
     elif node.status == Status.PUSH:
         if is_left_end:
             # The wave from outside is a = F Y2, and the end has the velocity b + F Y2.
+            # `force_free_velocity` includes the force in this case. Y1 is 0 at this
+            # end, so it is also `face_velocity`.
             force = a / right_mobility
             force_free_velocity = a + b
         else:  # the right end, where the wave from outside is b = F Y1
@@ -235,9 +237,11 @@ def find_closing_tick(node: Node, tick: int, arrival_tick: int, window: int) -> 
         If the gap closes at most this number of ticks before the arrival, or later, the
         tick of the arrival is returned.
     """
-    # True if the gap closes before the clock ends, so never if it does not shrink
+    # True if the gap closes before the clock ends, so never if it does not shrink. A
+    # product is compared, since the gap rate may be 0.
     if node.gap < -node.gap_rate * (NEVER - tick):
-        # gap/speed + 1/2, with the speed -gap_rate; `trunc` of it is the nearest tick
+        # gap/speed + 1/2, with the speed -gap_rate; `trunc` of it is the nearest tick.
+        # One quotient is exact on fractions, where a sum with 0.5 would be a float.
         ticks = (2 * node.gap - node.gap_rate) / (-2 * node.gap_rate)
         closing_tick: int = tick + math.trunc(ticks)
         if closing_tick + window < arrival_tick:

@@ -25,8 +25,11 @@ def finality_tick(state: State, now: int) -> int:
     `now` means that it is proved. A later tick means that no proof is possible before
     that tick, unless a contact changes; IDLE means that none is possible until a
     contact changes. For a row with driven ends the result is meaningless, since no
-    bound holds; `FrontRun` and `solve_family` discard it. The motions of the groups are
-    written to the segments.
+    bound holds; `FrontRun` and `solve_family` discard it.
+
+    `ticks_until_apart` writes the motions of the groups beside a contact to the two
+    segments beside it. It is called for contacts in order, until the wait exceeds the
+    clock; contacts whose gap can no longer shrink are left out.
     """
     segments = state.segments
     nodes = state.nodes
@@ -37,9 +40,10 @@ def finality_tick(state: State, now: int) -> int:
         is_contact = node.status >= Status.OPEN  # not a bond, and not an end
         # Once a wait exceeds the clock, or is inf, the other contacts do not matter.
         if is_contact and longest_wait < NEVER:
-            # First and last segment of the two groups beside the contact. Outside the
-            # row, as at a wall, `group_first` is 1 and `group_last` is 0: the range is
-            # then that of the group inside the row.
+            # First and last segment of the two groups beside the contact. Beside a
+            # wall the range is that of the group inside the row: at a left wall,
+            # outside the row, `group_first` is 1, the first segment of the row; at a
+            # right wall `group_last` is 0, so that the maximum is k, the last one.
             first = segments[k].group_first
             last = max(k, segments[k + 1].group_last)
             # If no front is in flight, the gap rate stays as it is for ever.

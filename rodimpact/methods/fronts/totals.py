@@ -102,6 +102,10 @@ def initial_motion(
 ) -> Motion:
     """Motion of the bodies at t = 0, see `motion_of`.
 
+    `masses` [body] are the masses of all bodies, kg. The initial velocities of the
+    bonded groups and the vibration energies, J divided by the duration of a tick, are
+    those stored in the segments, [segment].
+
     The web page has this function as JavaScript.
     """
     velocities = [segment.initial_group_velocity for segment in segments]

@@ -24,12 +24,13 @@ def factor(
     """Write the LU factors of the equations to the last three arguments, [node] each.
 
     Elimination goes from both ends of the row to its middle node. `off_diagonal` [cell]
-    has the entries with opposite sign; cell i is on the left of node i. `is_prescribed`
-    is 1 at nodes whose values are prescribed: their equation is x[i] = right side, and
-    their factors are 0, 1 and 0.
+    has the entries of the matrix with opposite sign; cell i is on the left of node i,
+    and there is one cell more than nodes. `is_prescribed` is 1 at nodes whose values
+    are prescribed: their equation is x[i] = right side, and their factors are 0, 1 and
+    0.
 
-    With the diagonal entry d, and the off-diagonal entries e towards the node before
-    and f towards the node after it, the factors of a node are
+    With the entry d of `diagonal`, and the entries e, towards the node before, and f,
+    towards the node after it, of `off_diagonal`, the factors of a node are
 
         lower = e inverse_before,  inverse_diagonal = 1/(d - e upper_before),
         upper = f inverse_diagonal.
@@ -38,7 +39,9 @@ def factor(
     the left one, and its `upper` is e inverse_before of the right one.
     """
     n = len(diagonal)
-    m = (n - 1) // 2  # the middle node
+    # The middle node. The left half is empty if n is 1 or 2, the right half if n is 1:
+    # the factors of the missing node count as 0.
+    m = (n - 1) // 2
     # Left half: `inverse_diagonal` and `upper` of the node before i, which is i - 1
     inverse_before = 0.0
     upper_before = 0.0

@@ -513,10 +513,16 @@ def record_links(run: Run, v: Any, links: Any, signals: Any) -> None:
 
     The mean force and closing of this step and the gap at its end are written to
     `signals` [step of the window, link], which is flat. v are the velocities at the end
-    of the step. In the first step of the run the force `initial_force` of a contact
-    that closed at t = 0 is added in the signal, and its recorded closing is such that
-    force times closing is the energy that the bodies lost. `updated_gap` also sets
-    `is_closed` of rigid contacts and the yield force.
+    of the step. The closing of a link is the mean of those before and after the step;
+    at a rigid contact or an impact with a force it is replaced by `max_closing`. The
+    closing in the signal is that of the link at rigid and yielding contacts; at all
+    other links it is the decrease of the gap in this step.
+
+    In the first step of the run the force `initial_force` of a contact that closed at
+    t = 0 is added in the signal, and its recorded closing is such that force times
+    closing is the energy that the bodies lost. `updated_gap` also sets `is_closed` of
+    rigid contacts, and the yield force and the row of the hardening table of contacts
+    that yield.
     """
     for i in range(len(links)):
         link = links[i]
@@ -525,7 +531,9 @@ def record_links(run: Run, v: Any, links: Any, signals: Any) -> None:
         link.closing = (link.old_closing + v[link.left_node] - v[link.right_node]) / 2
         has_max_closing = link.law == Law.RIGID or link.law == Law.IMPACT
         if has_max_closing and link.force > 0:
-            # A force holds the closing at this value: the same without round-off.
+            # `max_closing`, set with the forces of this step, is an upper bound of the
+            # closing. A force > 0 means that the closing attains it: the value is the
+            # same, without round-off.
             link.closing = link.max_closing
         link.gap = contacts.updated_gap(link, link.closing, run.velocity_tolerance)
         step_in_window = run.steps_taken - run.first_step
@@ -534,6 +542,8 @@ def record_links(run: Run, v: Any, links: Any, signals: Any) -> None:
         signal.gap = link.gap
         # The gap of a rigid or yielding contact does not follow its closing while it
         # presses. Any other gap decreases by the closing, exactly by this difference.
+        # An impact at rest keeps its gap, too: its closing is only round-off then, and
+        # the difference 0 is recorded.
         can_keep_gap = link.law == Law.RIGID or link.law == Law.YIELD
         if can_keep_gap:
             signal.closing = link.closing

@@ -220,7 +220,7 @@ def end_of_force(force: Floats, gap: Floats, i: int, j: int) -> float:
       `_end_of_dashpot`.
     - No overlap at the start: the contact is rigid, see `_end_of_rigid_contact`.
     """
-    begin = j - 1  # start of the last step with force, a time and its index in `gap`
+    begin = j - 1  # start of the last step with force: a step number and index in `gap`
     gap_at_begin = float(gap[begin])
     gap_at_end = float(gap[j])
     if gap_at_begin < 0 < gap_at_end:  # the overlap ends inside the step

@@ -591,11 +591,16 @@ def lasting_mode(segments: Sequence[Segment]) -> tuple[float, float]:
     # The unknowns are the displacements of the n nodes, then the radial strains of the
     # n - 1 cells.
     n = len(mass)
+    # `_chain(c)` is D^T diag(c) D, where D forms differences of neighbours. It has one
+    # row more than c has entries: n rows for values c of cells.
     axial_inertia = np.diag(mass) + _chain(cells.lateral_inertia)
+    # Shear acts between the middles of neighbouring cells: `_in_series` has one entry
+    # less than there are cells, and the matrix has a row for each cell.
     shear_stiffness = _chain(_in_series(cells.shear_stiffness))
     radial_stiffness = np.diag(cells.radial_stiffness) + shear_stiffness
     K = block_diag(_chain(cells.stiffness), radial_stiffness)
-    # Forces on nodes by radial strains [node, cell], and the transposed matrix
+    # Forces on nodes by radial strains [node, cell], and the transposed matrix.
+    # `coupling` is the tension of a cell by a unit of its radial strain.
     K[:n, n:] = _differences(n).T * cells.coupling
     K[n:, :n] = K[:n, n:].T
     M = block_diag(axial_inertia, np.diag(cells.radial_inertia))

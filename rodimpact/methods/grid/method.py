@@ -289,6 +289,7 @@ def mesh_size(
     longest_cells = cells
     if cells is None and dt is None:
         longest_cells = _least_wasteful(transits, until)
+    # `dt` counts here only if `longest_cells` is None.
     counts = _stable_counts(row, transits, longest_cells, dt, name)
     # Longest stable step of each segment, s
     stable_steps = list(map(stable_step, row.segments, counts, soil_stiffnesses(row)))

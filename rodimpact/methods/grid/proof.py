@@ -275,9 +275,9 @@ def mass_beyond(m: Array, right_end: bool, is_held: bool) -> Array:
     as for an infinite mass.
     """
     if is_held:
-        return np.ones(len(m) - 1)  # one cell less than nodes
+        return np.ones(len(m) - 1)  # one cell less than nodes: those inside the group
     # Sums over the nodes on the left of each cell, from the first to the last cell
     on_left: Array = np.cumsum(m[:-1]) / m.sum()
     if right_end:
-        return on_left
+        return on_left  # the far end is the left one
     return np.subtract(1, on_left)

@@ -41,8 +41,8 @@ class Run:
     is_implicit: int  # 1: there is damping, lateral inertia, soil or drag
     shaft_count: int  # number of rods with soil or drag along their shafts
     soil_changes_equations: int  # 1: the damping of soil depends on its resistance
-    ground_velocity: float  # velocity of the ground at t = 0
-    ground_acceleration: float  # change of this velocity in a step
+    ground_velocity: float  # velocity of the ground at t = 0, m/s
+    ground_acceleration: float  # change of this velocity in a step, m/s per step
     velocity_tolerance: float  # closing velocities below it count as 0
 
 

@@ -56,7 +56,8 @@ def pull_back(run: Run, soil: Any, v: Any, x: Any) -> None:
     step, and `ground` is the mean velocity of the ground over the step. The part of the
     damping force by the change of v is on the left side of the equations.
     """
-    # Mean velocity over the step: half of the change in the step is added.
+    # Mean velocity over the step: half of the change in the step is added, as
+    # `ground_acceleration` is in m/s per step.
     ground = ground_velocity(run) + run.ground_acceleration / 2
     for i in range(len(soil)):
         at_node = soil[i]

@@ -69,18 +69,20 @@ def begin(mesh: Mesh, step: float, grid: Grid) -> Array:
 def _begin_soil(grid: Grid, half_kick: Array) -> None:
     """Move the static resistance of soil from t = 0 to half a step before t = 0.
 
-    The tension of cells is known at that time, too. `resistance` of the soil is changed
-    in place. `half_kick` are the changes of velocity by half a kick of the forces at
+    The tension of cells is known at that time, too. `resistance` R of the soil is
+    changed in place, by k (change - v)/2 with the stiffness k: the first step, which
+    adds k v, then makes it R + k (v + change)/2. Here v is the velocity against the
+    ground at t = 0, and `change` is its change by half a kick, which follows from
+    `half_kick`, the changes of the velocities of nodes by half a kick of the forces at
     t = 0, m/s [node]. The resistance is not limited here: the first step limits it.
     """
     soil = grid.soil
     # Velocity v against the ground at t = 0, and its change by half a kick. The ground
-    # gains `ground_acceleration`, m/s, in a step, and half of it in half a step.
+    # gains `ground_acceleration`, m/s per step, and half of it in half a step.
     v = grid.velocity[soil["node"]] - grid.run["ground_velocity"]
     change = half_kick[soil["node"]] - grid.run["ground_acceleration"] / 2
-    # As for the tension of cells: half a step after t = 0 the resistance R has become
-    # R + k (v + change)/2. The first step adds k v, with v in m/s and time in steps.
-    # Therefore the resistance begins with R + k (change - v)/2.
+    # As for the tension of cells: in the half step after t = 0 the rod moves by
+    # (v + change)/2 against the soil, with velocities in m/s and time in steps.
     soil["resistance"] += soil["stiffness"] * (change - v) / 2
 
 
@@ -183,10 +185,12 @@ def _half_kick(mesh: Mesh, step: float, grid: Grid, tension: Array) -> Array:
     velocity is prescribed changes it as the ground does in the falling frame. No
     argument is changed.
     """
-    force = np.diff(tension)  # N [node], to the right
+    # N [node], to the right: there is one cell more than nodes, as a cell lies outside
+    # each end
+    force = np.diff(tension)
     soil = grid.soil
-    # Mean velocity of the ground over the first step, in which it gains
-    # `ground_acceleration`
+    # Mean velocity of the ground over the first step: half of the gain in this step,
+    # `ground_acceleration` in m/s per step, is added.
     ground = grid.run["ground_velocity"] + grid.run["ground_acceleration"] / 2
     against_ground = grid.velocity[soil["node"]] - ground  # velocity, m/s
     # The damping is that of the first step, also by Smith's law.
@@ -198,6 +202,8 @@ def _half_kick(mesh: Mesh, step: float, grid: Grid, tension: Array) -> Array:
     # In the falling frame a node whose velocity is prescribed gains velocity as the
     # ground does, in half a kick half of the gain in a step.
     prescribed_gain = grid.run["ground_acceleration"] / 2
+    # `velocity_changes` gives the changes in a step by given forces, as the factors
+    # contain the masses and time is counted in steps: half of the force, half a kick.
     right_side = np.where(mesh.is_prescribed == 1, prescribed_gain, force / 2)
     return scheme.velocity_changes(factors, right_side)
 

@@ -75,13 +75,15 @@ def contact_times(row: Row) -> dict[int, Any]:
 def reference_time(row: Row, until: float | None) -> Any:
     """Longest transit time of a segment, s; a number, or an array by member.
 
-    Without rods it is `until`. If this is None or 0, it is the longest of the contact
-    times and of the times in which gaps are crossed, or 1 if all of them are 0.
+    Without rods it is `until`, returned as it is given. If this is None or 0, it is the
+    longest of the contact times and of the times in which gaps are crossed, or 1 if all
+    of them are 0.
     """
     if row.segments:
         return largest([segment.transit_time for segment in row.segments])
     if until:
         return until
+    # `closing_velocity` is never 0.
     flight_times = [link.gap / closing_velocity(row) for link in row.links]
     longest = largest([*flight_times, *contact_times(row).values()])
     return np.where(longest > 0, longest, 1.0)

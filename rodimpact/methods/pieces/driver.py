@@ -284,8 +284,8 @@ class Members:
         stop = Stop(batch.run())
         while stop == Stop.FULL:
             pieces = len(batch.state.log)
-            # The longer log has up to four times as many pieces. Memory is counted in
-            # numbers of 8 bytes.
+            # `lengthen` makes the log two or four times as long: 4 is the upper bound.
+            # Memory is counted in numbers of 8 bytes.
             numbers = 4 * pieces * PIECE.itemsize / 8
             require_memory(
                 numbers,

@@ -127,9 +127,10 @@ def resolve_impacts(
     Each contact takes the smallest impulse J >= 0 after which its closing velocity is
     at most -e times that before, with the restitution e (Moreau, in CISM 302, 1988).
     The impulses are found by Gauss-Seidel sweeps, at most MAX_SWEEPS. e counts as 0
-    where the bodies would part too slowly to matter. Velocities of masses are changed;
-    `finish_impact` then sets the status and totals of these links, and logs the
-    impacts.
+    where the bodies would part too slowly to matter; the largest opening velocity
+    neglected in this way is kept as `resting_velocity` of the run, m/s. Velocities of
+    masses are changed; `finish_impact` then sets the status and totals of these links,
+    and logs the impacts.
 
     In this function the fields of an impacting link have other meanings: `force[0]` is
     its impulse, N s, `closing[0]` its closing velocity before the impact, and
@@ -143,7 +144,7 @@ def resolve_impacts(
         is_touching = is_closing or link.overlap >= 0
         link.unknown_index = NONE
         if link.law == Law.IMPACT and is_touching:
-            link.unknown_index = q  # any number but NONE
+            link.unknown_index = q  # any number but NONE marks an impacting link
             closing = closing_of(masses, node, q)
             # Opening velocity afterwards; 0 if the bodies do not close before
             opening = 0.0
@@ -163,11 +164,13 @@ def resolve_impacts(
             link = links[node.first_link + q]
             if link.unknown_index != NONE:
                 # Closing velocity that a unit impulse takes away, 1/kg:
-                # 1/m_left + 1/m_right
+                # 1/m_left + 1/m_right. The body on the right of link q has the number
+                # q, so the body on its left has the number q - 1.
                 velocity_by_impulse = inverse_mass(masses, node, q - 1)
                 velocity_by_impulse += inverse_mass(masses, node, q)
                 excess = closing_of(masses, node, q) - link.closing_after
-                # Change of the impulse, N s, after which `force[0]` is 0 or more
+                # Change of the impulse, N s, after which the impulse, `force[0]`, is 0
+                # or more
                 step = max(excess / velocity_by_impulse, -link.force[0])
                 link.force[0] += step
                 apply_impulse(masses, node, q, step)

@@ -340,7 +340,7 @@ def bound_end_velocities(state: State, first: int, stop: int) -> None:
     alone or beside walls and endless rods, and for a group of a single part, such as a
     mass.
     """
-    group = state.parts[first]
+    group = state.parts[first]  # the fields of a group are those of its first part
     segments = 0
     other_parts = 0
     for k in range(first, stop):

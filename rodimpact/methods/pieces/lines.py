@@ -132,8 +132,9 @@ def sample(
         return
     for j in range(POINTS):
         u = 0.5 * (X[j] + 1) * ticks  # time since `begin`, ticks
-        # Go on to the piece at this time. By round-off the last time may be beyond
-        # `end`: a piece that ends at `end` is kept.
+        # Go on to the piece at this time, as long as there is a next one. By round-off
+        # the last time may be beyond `end`: a piece that ends at `end` is kept, hence
+        # the last condition.
         while piece.next != NONE and begin + u > piece.end and piece.end < end:
             piece = log[piece.next]
         # Position of this time in the piece, from -1 to 1

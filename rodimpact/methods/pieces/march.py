@@ -446,7 +446,9 @@ def take_inputs(all_lines: Lines, log: Log, node: Node, ticks: int) -> None:
     """Set `node.incoming` to the waves from both sides, over `ticks` from now.
 
     These are the values at the points of the piece; if the node is averaging, the
-    values of the parabola nearest to each wave.
+    values of the parabola nearest to each wave. A side of the node without a rod, at an
+    end of the row, has a line from outside; free ends, which have none, are left to
+    `lines.reflect`.
     """
     # For speed: machine code does not count references to borrowed arrays.
     all_lines = borrowed(all_lines)

@@ -356,7 +356,7 @@ def _tallies(
 
     `links` are the links of the run, and `tick` is the duration of a tick, s.
     `make_signals` is called only for bonds between rigid bodies, whose force follows
-    from the signals.
+    from the signals; it keeps its result, so that further calls cost nothing.
     """
     tallies = []
     for k, i in enumerate(row.contact_link):  # contact k is link i

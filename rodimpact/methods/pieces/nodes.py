@@ -256,9 +256,10 @@ def set_equations(
 ) -> None:
     """Set the linear equations G of a Newton step for the changes of the forces.
 
-    Each of the `unknown_count` forces has an equation at each of the N stages. Row
-    N u + j of `G` is the equation of force u at stage j, column N u + j belongs to its
-    change, and column N unknown_count is the right side.
+    Each of the `unknown_count` forces has an equation at each of the N stages. With the
+    `unknown_index` u of a link, row N u + j of `G` is the equation of its force at
+    stage j, column N u + j belongs to the change of this force, and column
+    N unknown_count is the right side.
 
     The equation says that F = base + by_overlap d + by_closing closing holds after the
     step: this is the tangent law of the link, which `linearise_links` has set. The left
@@ -277,8 +278,9 @@ def set_equations(
         for p in range(node.link_count):
             unknown = links[node.first_link + p].unknown_index
             if unknown != NONE:
-                # The left side: factors of the changes of force p in the equations of
-                # link q
+                # The left side: a block in the rows of link q and the columns of the
+                # force of link p, the factors of its changes in the equations of q.
+                # `is_same` adds the change of F itself.
                 by_impulse = closing_by_impulse(masses, node, q, p)
                 is_same = p == q
                 set_block(link, by_impulse, is_same, h, G, N * unknown)

@@ -313,6 +313,9 @@ def backwards(pieces: Any) -> Any:
     back = pieces[::-1].copy()
     back["start"] = -pieces["end"][::-1]
     back["end"] = -pieces["start"][::-1]
+    # The new start of a piece is its old end, where the piece after it had its break.
+    # So piece k gets the old order of piece k + 1: the orders are reversed without the
+    # first one, and the last piece, now the first, gets SMOOTH.
     orders_without_first = pieces["break_order"][1:]
     back["break_order"] = [SMOOTH, *orders_without_first[::-1]]
     back["coefficients"] *= (-1.0) ** np.arange(POINTS)

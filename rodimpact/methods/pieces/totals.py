@@ -83,6 +83,7 @@ def why_stopped(run: Any, has_given_end: bool) -> str:
     if run.stop_reason == Stop.CAP:
         return "max_events"
     if has_given_end:
+        # Only the cap ends such a run before its given end; a proof does not.
         return "until"
     if run.proved_tick >= 0:
         return "final"
@@ -139,11 +140,14 @@ def simplifications_text(run: Any) -> str:
     """Sentences of the status on simplifications in a run; empty if there are none.
 
     The first one is about waves that were smoothed, as their jumps were too dense, the
-    second one about rigid bodies that were set at rest after an impact.
+    second one about rigid bodies that were set at rest after an impact. Each sentence
+    begins with a space, as the text is appended to others.
     """
     text = ""
     if run.averaged_steps:
         start = format_si(run.first_averaged_tick * run.tick_duration, "s")
+        # The quotient below is the number of averaging pieces in the shortest transit,
+        # rounded down. Waves are smoothed only where one of them has more jumps.
         text += (
             f" From {start} on, waves jump more than "
             f"{run.shortest_transit // run.min_break_spacing} times in the shortest "
