@@ -134,7 +134,9 @@ def separated_until(bar: InstrumentedBar) -> float:
         at_face = bar.pulse_start - travel
     else:
         pulse = bar.first_pulse
-        # End of the pulse: it falls for half a rise time after half height.
+        # At this time a pulse with linear ramps falls through half height. The pulse
+        # lasts for 5/8 of a rise time more, but the reflected wave begins 7/8 of a rise
+        # time after `pulse_start`: a quarter of a rise time is then between the two.
         passed = pulse.start + pulse.width + pulse.rise / 2
         if passed > bar.pulse_start + 2 * travel:
             raise ValueError(

@@ -322,10 +322,10 @@ def test_two_gauges_tell_waves_apart_that_overlap(long_shot, apart):
 
 
 def test_one_gauge_must_lie_where_the_incident_wave_is_over_as_the_reflected_comes():
-    """At the least distance of a single input gauge the reflected wave begins exactly
-    when the incident pulse ends: the stress is right there, and slightly nearer a
-    second gauge is asked for. All times are binary fractions, so that equal times are
-    equal.
+    """At the least distance of a single input gauge, the reduction estimates that the
+    reflected wave begins exactly when the incident pulse ends. The stress is right
+    there, and slightly nearer a second gauge is asked for. All times are whole samples
+    of a power of 2, so that equal times are equal.
     """
     dt = 2.0**-20
     c = 4096.0
@@ -333,18 +333,21 @@ def test_one_gauge_must_lie_where_the_incident_wave_is_over_as_the_reflected_com
     metal = ri.Material("m", youngs_modulus=modulus, density=8e3)
     bar = ri.Rod(2.0, area=1e-4, material=metal)
     n = np.arange(1024)
-    up = (n - 64) / 32  # from sample 64 on
-    down = (256 - n) / 32  # to 0 at sample 256
+    up = (n - 64) / 40  # from sample 64 on; a tenth at sample 68
+    down = (264 - n) / 40  # to 0 at sample 264
     ramps = np.minimum(up, down)
     level = np.clip(ramps, 0, 1)
     largest_strain = 2.0**-10
     pulse = ri.Signal(largest_strain * level, dt=dt)
+    # Start at a tenth, width between half heights, rise from 10 % to 90 %
     start, width, rise, _ = pulse.pulse()
+    samples = np.array([start, width, rise]) / dt
+    assert samples == pytest.approx([68, 160, 32], abs=1e-9)
     # After this round trip to the face the reflected wave begins, a rise before its
-    # start at a tenth, just when the incident pulse ends.
+    # start at a tenth, just when the incident pulse ends: both as estimated.
     round_trip = width + 1.5 * rise
-    end_of_incident = start + width + rise / 2
-    assert start - rise + round_trip == end_of_incident
+    estimated_end = start + width + rise / 2
+    assert start - rise + round_trip == estimated_end
     least_distance = round_trip * c / 2  # from the face, m
     specimen = ri.Specimen(5e-3, area=1e-4)
 
