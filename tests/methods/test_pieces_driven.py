@@ -170,3 +170,32 @@ def test_an_incoming_wave_presses_a_spring_as_a_low_pass_says(name):
     expected_force = k * compression
     assert force == pytest.approx(expected_force, abs=error_of_sums)
     assert joint.impulse == pytest.approx(impulse, abs=error_of_sums)
+
+
+@pytest.mark.parametrize("impedance", [1e-3, 1e4])
+def test_a_pushed_row_is_as_exact_whatever_its_impedance(impedance):
+    """A rod that a smooth force pushes into a second one: velocities and their stated
+    error do not depend on the impedance of the rods if all forces are in proportion.
+    """
+
+    def pushed_row(impedance):
+        """Solution of the row; the areas, forces and stiffnesses are in proportion."""
+        force = ri.Pushed(lambda t: impedance * np.sin(1.3 * t) ** 2, duration=6.0)
+        system = ri.System(
+            [unit_rod(1.0, area=impedance), unit_rod(0.7, area=impedance)],
+            contacts=[ri.Hertz(3.0 * impedance)],
+            ends=(force, ri.Free()),
+        )
+        return ri.solve(system, until=6.0, method="characteristics")
+
+    of_unit_impedance = pushed_row(1.0)
+
+    solution = pushed_row(impedance)
+
+    velocities = solution.outcome.velocities_after
+    expected = of_unit_impedance.outcome.velocities_after
+    assert velocities == pytest.approx(expected, rel=1e-9)
+    # The errors are those of other pieces, whose ends are rounded in another way.
+    ratio = solution.accuracy["velocity"] / of_unit_impedance.accuracy["velocity"]
+    assert 0.3 < ratio < 3.0
+    assert solution.accuracy["velocity"] < 1e-8  # the default rtol

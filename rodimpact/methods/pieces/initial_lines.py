@@ -181,12 +181,15 @@ class InitialLines:
         stop: int,
         *profiles: tuple[Any, float],
         is_drive: bool = False,
+        velocity_per_unit: float = 1.0,
     ) -> Any:
         """Pieces, [piece], that fit a signal between two ticks.
 
-        `signal`, m/s, is the sum of `profiles` times their factors; the profiles are
-        needed only for their types and errors. `Polynomials` along a rod are the state
-        of an earlier run: they are fitted to round-off. Other signals, including
+        `signal` is a wave, m/s, or a force, N, of which a unit makes the velocity
+        `velocity_per_unit`, m/s. It is the sum of `profiles` times factors; the
+        profiles are needed only for their types and errors, each with the velocity that
+        a unit of its values makes. `Polynomials` along a rod are the state of an
+        earlier run: they are fitted to round-off. Other signals, including
         `Polynomials` over time (`is_drive`), are fitted within a quarter of the
         tolerance.
 
@@ -195,19 +198,20 @@ class InitialLines:
         samples, `carried_error` to the errors of polynomials.
         """
         scale = float(self._clock.scale)
-        # A quarter of the tolerance of pieces, m/s
-        tolerance = self._request.tolerance * scale / 4
+        signal_scale = scale / velocity_per_unit  # in the unit of the signal
+        # A quarter of the tolerance of pieces, in the unit of the signal
+        tolerance = self._request.tolerance * signal_scale / 4
         has_polynomials = any(isinstance(p, Polynomials) for p, _ in profiles)
         is_state = has_polynomials and not is_drive
         if is_state:
-            largest_miss = EXACT_FIT * scale
+            largest_miss = EXACT_FIT * signal_scale
         else:
             largest_miss = tolerance
         # The tolerance is also the smallest change that makes a break.
         pieces, miss = profile_pieces.in_pieces(
             signal, start, stop, break_size=tolerance, largest_miss=largest_miss
         )
-        self.fit_error = max(self.fit_error, miss / scale)
+        self.fit_error = max(self.fit_error, miss / signal_scale)
         for profile, factor in profiles:
             if isinstance(profile, Samples):
                 error = abs(factor) * profile.error / scale
@@ -387,8 +391,19 @@ class InitialLines:
             # the wave is at most 2 F over the smallest Z. Without rods 0 is taken.
             impedances = [float(segment.impedance) for segment in self._row.segments]
             velocity_per_value = 2 / min(impedances, default=math.inf)
+            velocity_per_unit = velocity_per_value  # `drive` is the force, N
         else:
             velocity_per_value = float(signal.factor)
+            velocity_per_unit = 1.0  # `drive` is a wave, m/s
+        if velocity_per_unit == 0:  # no rods: 1 N counts as 1 m/s
+            velocity_per_unit = 1.0
         profile = (value, velocity_per_value)
-        pieces = self._fit_pieces(drive, 0, stop, profile, is_drive=True)
+        pieces = self._fit_pieces(
+            drive,
+            0,
+            stop,
+            profile,
+            is_drive=True,
+            velocity_per_unit=velocity_per_unit,
+        )
         return pieces[None]  # [member, piece]

@@ -573,11 +573,19 @@ def wave_remainder(links: Links, node: Node, integrated: bool) -> float:
     """Return the largest estimated error of the waves of a piece, m/s.
 
     It is the `series.remainder` of the waves that arrive at the node and that leave it,
-    or of their integrals over y if `integrated`. `node.outgoing` is overwritten.
+    or of their integrals over y if `integrated`. A push F counts as the wave
+    2 F `effective_mobility`, as in `truncation_error`. `node.outgoing` is overwritten.
     """
     largest = 0.0
     for side in range(2):
-        largest = max(largest, series.remainder(node.incoming[side], integrated))
+        link = links[outer_link(node, side)]
+        # PUSH_LEFT belongs to side 0, PUSH_RIGHT = PUSH_LEFT + 1 to side 1.
+        if link.law == Law.PUSH_LEFT + side:  # `incoming` is a force on this side
+            velocity_by_input = 2 * link.effective_mobility
+        else:  # `incoming` is a wave
+            velocity_by_input = 1.0
+        error = series.remainder(node.incoming[side], integrated) * velocity_by_input
+        largest = max(largest, error)
         if node.mobility[side] > 0:  # there is a rod, into which a wave leaves
             set_outgoing(links, node, side)
             largest = max(largest, series.remainder(node.outgoing, integrated))
