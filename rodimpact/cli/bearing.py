@@ -12,10 +12,11 @@ pile, the pile, and a wall. The contact of the pile with the wall has the law
 "smith-toe". The command splits each resistance between shaft and toe in the same ratio
 as in the case; --shaft-share sets another ratio. Quakes and damping stay the same. For
 each resistance the command computes one blow, until no soil can yield any more. The
-command then computes the blow again with fewer cells, to state errors. The command
-removes the ram at the top of a bounce or earlier, if the ram has then been off the pile
-for the time in which a wave runs down the pile and back. If gravity acts, the pile is
-at rest before the blow.
+command then computes the blow twice more, with fewer cells, to state errors.
+
+The command removes the ram at the top of its bounce. A ram that is off the pile for
+less than the time in which a wave runs down the pile and back is not removed, and
+strikes again. If gravity acts, the pile is at rest before the blow.
 
 All results are in SI units. The command ignores [solve] and [output] of the case. The
 exit status is 3 if a blow is not over; the table gives the reason.
@@ -42,8 +43,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--resistance",
         metavar="GRID",
         required=True,
-        help="total ultimate resistances, shaft plus toe: start:stop:count, "
-        f"start:stop:count:log or a list, such as {EXAMPLE}",
+        help="total ultimate resistances, shaft plus toe: start:stop:count, such as "
+        f"{EXAMPLE}, or start:stop:count:log, or a list",
     )
     add_number(
         parser,

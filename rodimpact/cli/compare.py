@@ -84,10 +84,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         compared,
         "--carried",
         "length",
-        "for a real gauge far from the struck end: give a position near the struck end "
-        "in --gauge, and the distance from there to the real gauge here; the command "
-        "computes the pulse at the position of --gauge, then propagates the pulse over "
-        "this distance along a round bar, with exact dispersion",
+        "distance from the position of --gauge to the real gauge, if the real gauge is "
+        "far from the struck end; --gauge is then a position near the struck end: the "
+        "command computes the pulse there, then propagates the pulse over this "
+        "distance along a round bar, with exact dispersion",
     )
     add_number(
         compared,

@@ -4,9 +4,10 @@ rodimpact reduce CASE.toml RECORD.csv --length 3.2mm --diameter 6.34mm
     --gauge incident=0:0.381 --gauge transmitted=1:0.381
 
 A shot is one experiment. The case file contains the two bars as neighbouring rods: the
-input bar on the left, and the output bar on the right. The specimen is between the two
-bars. You can use the case file with which you planned the shot. Each bar has one or two
-gauges. The name of a gauge is the name of its channel in the record.
+input bar on the left, and the output bar on the right. The specimen is not a body of
+the case; options describe it. You can use the case file with which you planned the
+shot. Each bar has one or two gauges. The name of a gauge is the name of its channel in
+the record.
 
 If the record contains separate pulses, give the channel of each pulse:
     rodimpact reduce CASE.toml PULSES.csv --length 3.2mm --diameter 6.34mm
