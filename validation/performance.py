@@ -155,7 +155,8 @@ def godunov(v: Any, sigma: Any, first_cells: int, steps: int) -> float:
     """Impulse between two rods of unit material by Godunov's method of first order.
 
     Waves go from cell to cell by the exact solution of each jump, at Courant number 1.
-    An edge at the ends, or at an open contact, has no stress. Velocities v and stresses
+    An edge at the ends, or at an open contact, has no stress. The contact opens if it
+    would pull, and stays open until its gap has closed. Velocities v and stresses
     sigma are [cell], those of the second rod from `first_cells` on, and are changed in
     place; times are in steps.
     """

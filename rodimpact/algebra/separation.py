@@ -128,8 +128,9 @@ def _circulating_waves(
 ) -> list[CirculatingWave]:
     """Waves in the body on the left or right of node k, the next to arrive first.
 
-    Without a front in flight there is one, at tick 0: the constant incoming wave. With
-    fronts in flight the body must be a single segment.
+    The tick of a wave is that at which its front leaves the far end for the node.
+    Without a front in flight there is one wave, at tick 0: the constant incoming wave.
+    With fronts in flight the body must be a single segment.
     """
     simulation = run.simulation
     lines = simulation.lines

@@ -228,7 +228,8 @@ def horizon_shares(until: Any) -> list[float]:
 def outlasts_clock(run: Any) -> bool:
     """Whether a run without a given end came to the end of its clock without a proof.
 
-    False for a run with a problem.
+    False for a run with a problem. Without a given end, the end of the clock is the end
+    that the kernel is asked for: the run then stops with DONE.
     """
     if "problem" in run or run["until"] >= 0:
         return False

@@ -57,6 +57,9 @@ def add_cells(
     Parameters
     ----------
     grids : dict
+        Lists of all grids one after another, as from `no_cells`: values at points, and
+        means of cells, which `add_row_of_cells` appends. ``start`` gets the index of
+        the first point of the next grid. Changed in place.
     body : int
     segment : Segment
     left : float

@@ -101,10 +101,10 @@ def least_impedance(row: Any) -> Any:
 def scale_of(row: Any) -> Any:
     """Scale of velocities of a row with rods, m/s; 0 if nothing moves or acts.
 
-    It is a sum of four terms: the spread of the velocities; the largest of c times
-    strain at t = 0 and 2 c times strain of an incoming wave; the largest force of a
-    pushed end, a joint or an overlap at t = 0, over the least impedance; and g times
-    the longest transit time.
+    It is a sum of four terms: the spread of the velocities of bodies and ends; the
+    largest of c times strain at t = 0 and 2 c times strain of an incoming wave; the
+    largest force of a pushed end, a joint or an overlap at t = 0, over the least
+    impedance; and g times the longest transit time.
     """
     strain_velocities = [0.0]  # velocities due to strains, m/s
     for body in row.system.bodies:

@@ -131,11 +131,11 @@ class GridMotion(NamedTuple):
 
         Their sum is the energy that the scheme conserves. With the step h and the
         matrices M and K of inertia and stiffness, the kinetic energy is
-        (v M v - h^2 v K v/4)/2 and the strain energy is u K u/2, which follows from the
-        tensions. A cell of stiffness k adds k to K between its nodes, and its lateral
-        inertia to M. The radial strain q of a cell has the inertia J, the stiffnesses G
-        and s, and the coupling b with the elongation; if the tension is known, its own
-        stiffness is G - b^2/k.
+        (v M v - h^2 v K v/4)/2. The strain energy of the displacements u is u K u/2; it
+        is computed from the tensions. A cell of stiffness k adds k to K between its
+        nodes, and its lateral inertia to M. The radial strain q of a cell has the
+        inertia J, the stiffnesses G and s, and the coupling b with the elongation; if
+        the tension is known, its own stiffness is G - b^2/k.
 
         Parameters
         ----------
@@ -167,7 +167,7 @@ class GridMotion(NamedTuple):
         b = self.cells.coupling[inside]
         G = self.cells.radial_stiffness[inside]
         # Radial strains and their rates in all cells
-        all_q = self.radial[state] * step  # stored as 1/s times steps
+        all_q = self.radial[state] * step  # stored divided by the step, 1/s
         all_rates = self.radial_rate[state]
         # Differences of the two cells beside each node: cell i is on the left of node i
         q_change = np.diff(all_q)[nodes]

@@ -39,7 +39,7 @@ TRUNCATION_SHARE = 1e-3
 
 
 def check_finality(state: State, tick: int) -> None:
-    """Check at a tick that every node has reached whether the run is over.
+    """Check whether the run is over, at a tick that every node has reached.
 
     The motion of all groups is set, and a proof of finality is tried. If it succeeds,
     `proved_tick` and `end_tick` of the run are set, otherwise `next_proof_tick`. The
@@ -59,6 +59,7 @@ def check_finality(state: State, tick: int) -> None:
         has_ended = run.stop_reason != Stop.NONE or tick >= run.end_tick
         wants_proof = run.next_proof_tick < NEVER and not has_ended
         if run.last_check_tick == NONE:  # the first check
+            # A group has its fields in its first part; those of the others are unused.
             for i in range(len(parts)):
                 parts[i].initial_velocity = parts[i].group_velocity
         elif wants_proof:

@@ -358,8 +358,8 @@ def set_law(link: Any, row_link: Any, i: int) -> None:
 def set_mobility(link: Any, node: Any, q: int) -> None:
     """Set `mobility` of link q of a node: the sum of 1/Z of rod ends beside it, s/kg.
 
-    Only the first and the last link of a node have a rod end beside them. Its mobility
-    is 0 if no rod begins there.
+    Only the first and the last link of a node have a rod end beside them. The mobility
+    of a side of the node is 0 if no rod begins there.
     """
     left = 0.0
     if q == 0:

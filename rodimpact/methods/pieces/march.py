@@ -175,6 +175,7 @@ def advance(state: State, node: Node) -> bool:
     is_at_limit = result.ticks == limit and limit < node.next_ticks
     is_limited = node.is_averaging == 1 or is_at_limit
     record_error(state, node, result, ticks, is_limited)
+    # Forces slightly below 0 are raised before they are sent; their impulses stay.
     nodes.forbid_pulling(state.links, node)
     send_outgoing(state, node, ticks, left_order, right_order)
     events.record_piece(state, node, ticks)
@@ -447,8 +448,8 @@ def take_inputs(all_lines: Lines, log: Log, node: Node, ticks: int) -> None:
 
     These are the values at the points of the piece; if the node is averaging, the
     values of the parabola nearest to each wave. A side of the node without a rod, at an
-    end of the row, has a line from outside; free ends, which have none, are left to
-    `lines.reflect`.
+    end of the row, has a line from outside. Nodes of free ends, which have none, never
+    come here: `lines.reflect` handles them.
     """
     # For speed: machine code does not count references to borrowed arrays.
     all_lines = borrowed(all_lines)
