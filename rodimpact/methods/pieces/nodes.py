@@ -528,6 +528,20 @@ def set_outgoing(links: Links, node: Node, side: int) -> None:
         node.outgoing[j] = incoming[j] + velocity_by_force * link.force[j]
 
 
+def velocity_by_input(links: Links, node: Node, side: int) -> float:
+    """Return the velocity that a unit of `node.incoming` on a side makes, m/s.
+
+    It is 1 if `incoming` is a wave, m/s. At a pushed end `incoming` is a force F, N,
+    that makes the wave 2 F `effective_mobility`.
+    """
+    link = links[outer_link(node, side)]
+    velocity = 1.0
+    # PUSH_LEFT belongs to side 0, PUSH_RIGHT = PUSH_LEFT + 1 to side 1.
+    if link.law == Law.PUSH_LEFT + side:
+        velocity = 2 * link.effective_mobility
+    return velocity
+
+
 def truncation_error(links: Links, masses: Masses, node: Node) -> float:
     """Return the truncation error of a piece, m/s: the largest tail of its series.
 
@@ -541,14 +555,8 @@ def truncation_error(links: Links, masses: Masses, node: Node) -> float:
     """
     worst = 0.0
     for side in range(2):
-        link = links[outer_link(node, side)]
-        # PUSH_LEFT belongs to side 0, PUSH_RIGHT = PUSH_LEFT + 1 to side 1.
-        if link.law == Law.PUSH_LEFT + side:  # `incoming` is a force on this side
-            velocity_by_input = 2 * link.effective_mobility
-        else:  # `incoming` is a wave
-            velocity_by_input = 1.0
-        error = series.truncation_estimate(node.incoming[side]) * velocity_by_input
-        worst = max(worst, error)
+        error = series.truncation_estimate(node.incoming[side])
+        worst = max(worst, error * velocity_by_input(links, node, side))
         if node.mobility[side] > 0:  # there is a rod, into which a wave leaves
             set_outgoing(links, node, side)
             worst = max(worst, series.truncation_estimate(node.outgoing))
@@ -578,14 +586,8 @@ def wave_remainder(links: Links, node: Node, integrated: bool) -> float:
     """
     largest = 0.0
     for side in range(2):
-        link = links[outer_link(node, side)]
-        # PUSH_LEFT belongs to side 0, PUSH_RIGHT = PUSH_LEFT + 1 to side 1.
-        if link.law == Law.PUSH_LEFT + side:  # `incoming` is a force on this side
-            velocity_by_input = 2 * link.effective_mobility
-        else:  # `incoming` is a wave
-            velocity_by_input = 1.0
-        error = series.remainder(node.incoming[side], integrated) * velocity_by_input
-        largest = max(largest, error)
+        error = series.remainder(node.incoming[side], integrated)
+        largest = max(largest, error * velocity_by_input(links, node, side))
         if node.mobility[side] > 0:  # there is a rod, into which a wave leaves
             set_outgoing(links, node, side)
             largest = max(largest, series.remainder(node.outgoing, integrated))
